@@ -1,0 +1,39 @@
+# Two commands do everything: `make run` and `make test`. Both set up first.
+
+PYTHON ?= python3
+VENV := .venv
+BIN := $(VENV)/bin
+STAMP := $(VENV)/.installed
+STUDY ?= studies/boom/study.toml
+
+.PHONY: run test bench format setup coverage
+
+run: setup
+	$(BIN)/mptune run $(STUDY)
+
+test: setup
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+	$(BIN)/pytest -n 2
+
+bench: setup
+	$(BIN)/pytest -m bench -s -p no:randomly tests/bench
+
+# Kernels count too: they run interpreted once, so that their lines are seen.
+coverage: setup
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -m "not bench and not compiled"
+	$(BIN)/coverage combine
+	$(BIN)/coverage report
+
+format: setup
+	$(BIN)/ruff format .
+	$(BIN)/ruff check --fix .
+
+setup: $(STAMP)
+
+$(STAMP): pyproject.toml constraints.txt
+	$(PYTHON) -m venv $(VENV)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test]"
+	touch $(STAMP)

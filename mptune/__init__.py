@@ -1,0 +1,1 @@
+"""mptune: robust-control design and tuning for multi-pressure hydraulic cylinders."""

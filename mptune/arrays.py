@@ -1,0 +1,97 @@
+"""Array types, the letters of their shapes, and the decorators of compiled kernels.
+
+Shapes are written with these letters everywhere:
+
+``N``
+    plants of a family
+``F``
+    frequencies
+``T``
+    instants of time
+
+Kernels are compiled by numba without fast-math. Numba notices changes in a kernel's own file but
+not in the functions it calls in other files, so the compiled code is kept in a folder named after
+the version and a hash of every source file of mptune: a change anywhere starts a fresh cache.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from functools import cache
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, TypeVar, cast
+
+import numba
+import numpy as np
+import platformdirs
+from numpy.typing import NDArray
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+# Equations are written once, for a number inside a kernel and for arrays of any shape alike.
+Complex = Any
+Real = Any
+
+_Function = TypeVar("_Function", bound="Callable[..., Any]")
+
+
+@cache
+def source_hash() -> str:
+    """Return a short hash of mptune's own source files."""
+    digest = hashlib.sha256()
+    package = Path(__file__).parent
+    for path in sorted(package.rglob("*.py")):
+        digest.update(str(path.relative_to(package)).encode())
+        digest.update(path.read_bytes())
+    return digest.hexdigest()[:16]
+
+
+@cache
+def _cache_folder() -> str | None:
+    """Return the folder for compiled kernels, or None where nothing can be written."""
+    base = os.environ.get("NUMBA_CACHE_DIR") or platformdirs.user_cache_dir("mptune")
+    folder = Path(base) / f"kernels-{source_hash()}"
+    try:
+        folder.mkdir(parents=True, exist_ok=True)
+    except OSError:
+        return None
+    return str(folder) if os.access(folder, os.W_OK) else None
+
+
+def _compiled(function: _Function, *, parallel: bool) -> _Function:
+    folder = _cache_folder()
+    # Numba reads its cache folder when a function is decorated; other users of numba in this
+    # process keep theirs.
+    settings: Any = numba.config
+    previous = settings.CACHE_DIR
+    settings.CACHE_DIR = folder or previous
+    try:
+        decorate = numba.njit(
+            cache=folder is not None, nogil=True, error_model="numpy", parallel=parallel
+        )
+        return cast("_Function", decorate(function))
+    finally:
+        settings.CACHE_DIR = previous
+
+
+def kernel(function: _Function) -> _Function:
+    """Compile a function of plain numbers, tuples and arrays."""
+    return _compiled(function, parallel=False)
+
+
+def parallel_kernel(function: _Function) -> _Function:
+    """Compile a function whose ``numba.prange`` loops run on all cores."""
+    return _compiled(function, parallel=True)
+
+
+def frozen(array: NDArray[Any]) -> NDArray[Any]:
+    """Return the array, marked read-only, for use inside frozen results."""
+    array.setflags(write=False)
+    return array

@@ -1,0 +1,104 @@
+"""Files are written whole or not at all, and read with errors that say what to do.
+
+A file is first written beside its final place, flushed to the disk and then renamed, so that a
+full disk, a lost permission or an interrupt leaves the earlier file as it was.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import os
+import tempfile
+from typing import TYPE_CHECKING
+
+from mptune.errors import Fault, InputError, OutputError
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+
+def read_text(path: Path) -> str:
+    """Return the text of a UTF-8 file.
+
+    Raises
+    ------
+    InputError
+        If the path is missing, is a folder, may not be read, is empty or is not UTF-8 text.
+    """
+    try:
+        text = path.read_bytes().decode("utf-8")
+    except FileNotFoundError as error:
+        fault = Fault(
+            "", "", "does not exist", "check the path, or start one with `mptune new NAME`"
+        )
+        raise InputError(path, fault) from error
+    except IsADirectoryError as error:
+        fault = Fault("", "", "is a folder, not a file", "name the file inside it, e.g. study.toml")
+        raise InputError(path, fault) from error
+    except UnicodeDecodeError as error:
+        fault = Fault("", "", f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")
+        raise InputError(path, fault) from error
+    except OSError as error:
+        fault = Fault("", "", f"cannot be read: {error.strerror}", "check its permissions")
+        raise InputError(path, fault) from error
+    if not text.strip():
+        raise InputError(path, Fault("", "", "is empty", "write the study, or restore the file"))
+    return text
+
+
+def make_folder(path: Path) -> Path:
+    """Create a folder for results and check that it can be written to, before any long work.
+
+    Raises
+    ------
+    OutputError
+        If the folder cannot be created, or nothing can be written into it.
+    """
+    try:
+        path.mkdir(parents=True, exist_ok=True)
+        with tempfile.TemporaryFile(dir=path):
+            pass
+    except OSError as error:
+        raise OutputError(
+            f"{path}: results cannot be written there ({error.strerror}); "
+            "choose another folder with --out, or mend its permissions"
+        ) from error
+    return path
+
+
+def write_whole(path: Path, content: bytes | str) -> Path:
+    """Write a file whole or not at all.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written; an earlier file of that name is then untouched.
+    """
+    data = content.encode("utf-8") if isinstance(content, str) else content
+    return write_whole_with(path, lambda beside: beside.write_bytes(data))
+
+
+def write_whole_with(path: Path, write: Callable[[Path], object]) -> Path:
+    """Let ``write`` fill a file beside ``path``, then rename it into place.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written; an earlier file of that name is then untouched.
+    """
+    beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    try:
+        write(beside)
+        with beside.open("rb") as stream:
+            os.fsync(stream.fileno())
+        beside.replace(path)
+    except OSError as error:
+        raise OutputError(
+            f"{path}: could not be written ({error.strerror or error}); nothing was changed; "
+            "free some space or choose another folder with --out"
+        ) from error
+    finally:
+        with contextlib.suppress(OSError):
+            beside.unlink(missing_ok=True)
+    return path

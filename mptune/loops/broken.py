@@ -1,0 +1,101 @@
+"""The loop gains of one plant, at the three places where an engineer breaks the loop.
+
+::
+
+    x_ref ──►(+)──► G_P ──►(+)──► K_P,vel ──► F_ref ──► G_F e^{−sd} ──► 1/(ms) ──► 1/s ──┬──► x
+              ▲ −           ▲ −                                                          │
+              │             └───────── Eq. 23 ◄──┬── filter ◄── median ◄─────────────────┤
+              └──────────────────────────────────┘                                       │
+
+``VELOCITY``
+    the velocity loop alone, position loop open
+``POSITION``
+    broken at the position error, velocity loop closed
+``FORCE``
+    both loops closed, broken at F_ref: 1 + L_F = (1 + L_v)(1 + L_p)
+
+Without a measurement path the position and the velocity are taken as they are.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mptune.arrays import Complex, kernel
+from mptune.loops.position import closed_velocity, position_controller
+from mptune.loops.velocity import true_velocity, velocity_controller
+from mptune.signals.conditioning import filter_response, median_response
+from mptune.signals.differentiator import differentiator_over_s
+
+if TYPE_CHECKING:
+    from mptune.params.pack import LoopGains, MeasurementPath
+
+VELOCITY, POSITION, FORCE = 0, 1, 2
+NAMES = ("velocity", "position", "force")
+
+
+@kernel
+def position_path(s: Complex, path: MeasurementPath) -> Complex:
+    """Return the response from position to filtered position; 1 without a path."""
+    if path.sample_time == 0:
+        return 1 + 0 * s
+    median = median_response(s, path.sample_time)
+    return median * filter_response(s, path.sample_time, path.filter_pole)
+
+
+@kernel
+def velocity_path(s: Complex, path: MeasurementPath) -> Complex:
+    """Return the response from velocity to measured velocity; 1 without a path."""
+    if path.sample_time == 0:
+        return 1 + 0 * s
+    return position_path(s, path) * differentiator_over_s(s, path.sample_time)
+
+
+@kernel
+def velocity_loop(s: Complex, velocity: Complex, k_p_vel: float, path: MeasurementPath) -> Complex:
+    """Return L_v, the loop gain of the velocity loop around the plant ``velocity``."""
+    return velocity * velocity_controller(k_p_vel) * velocity_path(s, path)
+
+
+@kernel
+def position_loop(
+    s: Complex, velocity: Complex, gains: LoopGains, path: MeasurementPath
+) -> Complex:
+    """Return L_p, the loop gain broken at the position error."""
+    inner = velocity_loop(s, velocity, gains.k_p_vel, path)
+    plant = closed_velocity(s, velocity, inner, gains.k_p_vel)
+    controller = position_controller(
+        s, gains.k_p_pos, gains.k_i_pos, gains.omega, gains.xi, gains.tau
+    )
+    return plant * controller * position_path(s, path)
+
+
+@kernel
+def force_loop(s: Complex, velocity: Complex, gains: LoopGains, path: MeasurementPath) -> Complex:
+    """Return L_F, the loop gain broken at the force reference."""
+    controller = position_controller(
+        s, gains.k_p_pos, gains.k_i_pos, gains.omega, gains.xi, gains.tau
+    )
+    feedback = velocity_path(s, path) + controller * position_path(s, path) / s
+    return velocity * gains.k_p_vel * feedback
+
+
+@kernel
+def loop_gain(
+    which: int,
+    s: Complex,
+    mass: float,
+    delay: float,
+    tau_a: float,
+    tau_b: float,
+    share_a: float,
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> Complex:
+    """Return the loop gain of one plant, broken at ``which``."""
+    velocity = true_velocity(s, mass, delay, tau_a, tau_b, share_a)
+    if which == VELOCITY:
+        return velocity_loop(s, velocity, gains.k_p_vel, path)
+    if which == POSITION:
+        return position_loop(s, velocity, gains, path)
+    return force_loop(s, velocity, gains, path)

@@ -1,0 +1,218 @@
+"""A family of plants, its loops, and the bounds that make their encirclement count certain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numba
+import numpy as np
+
+from mptune.arrays import ComplexArray, FloatArray, IntArray, kernel, parallel_kernel
+from mptune.loops.broken import FORCE, VELOCITY, loop_gain
+from mptune.loops.force_dynamics import force_dynamics, pressure_time_constant
+from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
+from mptune.plant.bulk import effective_bulk_modulus
+from mptune.signals.conditioning import filter_response
+
+if TYPE_CHECKING:
+    from mptune.params.study import ResolvedStudy
+    from mptune.params.uncertainty import UncertaintySet
+
+
+def derived_time_constants(study: ResolvedStudy) -> tuple[tuple[float, float], tuple[float, float]]:
+    """Return the ranges of τ_A and τ_B [s] that Eq. 4 and Eq. 12 give for the study's machine.
+
+    The piston may stand anywhere in its stroke and the oil's bulk modulus anywhere in its range.
+    Both maxima are at the largest chamber volume and the least bulk modulus.
+    """
+    machine = study.study
+    cylinder, hose, oil = machine.cylinder, machine.hose, machine.oil
+    dead_a = cylinder.dead_volume_a + hose.volume_a
+    dead_b = cylinder.dead_volume_b + hose.volume_b
+    swept_a, swept_b = cylinder.area_a * cylinder.stroke, cylinder.area_b * cylinder.stroke
+    ranges = []
+    for hose_volume, dead, swept in (
+        (hose.volume_a, dead_a, swept_a),
+        (hose.volume_b, dead_b, swept_b),
+    ):
+        volume = dead + swept * np.linspace(0, 1, 21)[:, None]
+        moduli = np.linspace(*oil.bulk_modulus, 21)
+        actual = effective_bulk_modulus(moduli, hose.bulk_modulus, hose_volume, volume)
+        estimate = effective_bulk_modulus(
+            oil.bulk_modulus_estimate, hose.bulk_modulus, hose_volume, volume
+        )
+        tau = pressure_time_constant(actual, estimate, machine.controller.sampling_period)
+        ranges.append((float(tau.min()), float(tau.max())))
+    return ranges[0], ranges[1]
+
+
+def plants_of(study: ResolvedStudy) -> Plants:
+    """Return the grid mass × delay × τ_A × τ_B of the study's uncertainty set, ``(N,)`` each."""
+    box: UncertaintySet = study.uncertainty
+    derived_a, derived_b = derived_time_constants(study)
+    tau_a = derived_a if isinstance(box.tau_a, str) else box.tau_a
+    tau_b = derived_b if isinstance(box.tau_b, str) else box.tau_b
+    axes = [np.linspace(*pair, box.points) for pair in (box.mass, box.delay, tau_a, tau_b)]
+    axes = [np.unique(axis) for axis in axes]  # a range without width is one point
+    mesh = np.meshgrid(*axes, indexing="ij")
+    return Plants(*(np.ascontiguousarray(axis.ravel()) for axis in mesh))
+
+
+def nominal_plants(nominal: NominalPlant) -> Plants:
+    """Return the nominal plant as a family of one: τ_A = τ_B = 0 makes Eq. 15 of Eq. 14."""
+    zero = np.zeros(1)
+    return Plants(np.array([nominal.mass]), np.array([nominal.delay]), zero, zero)
+
+
+@dataclass(frozen=True)
+class FamilyLoops:
+    """The loops of a family broken at one place, as the encirclement count needs them.
+
+    Attributes
+    ----------
+    which
+        ``VELOCITY`` or ``FORCE``. (The position loop shares its closed-loop poles with ``FORCE``.)
+    plants
+        The family, ``(N,)``.
+    share_a
+        A_A/(A_A + A_B).
+    gains, path
+        Gains and measurement path.
+    """
+
+    which: int
+    plants: Plants
+    share_a: float
+    gains: LoopGains
+    path: MeasurementPath
+
+    def __post_init__(self) -> None:
+        """Refuse the position loop, whose inner loop may hold unstable poles of its own."""
+        if self.which not in {VELOCITY, FORCE}:
+            raise ValueError("count the closed-loop poles at FORCE: they are those of POSITION too")
+
+    @property
+    def integrators(self) -> int:
+        """Poles at the origin: the mass's, the position's and the I-term's."""
+        if self.which == VELOCITY:
+            return 1
+        if self.gains.k_i_pos > 0:
+            return 3
+        return 2 if self.gains.k_p_pos > 0 else 1
+
+    @property
+    def leading(self) -> FloatArray:
+        """``(N,)``: c in L → c/s^k as s → 0."""
+        factor = {1: 1.0, 2: self.gains.k_p_pos, 3: self.gains.k_i_pos}[self.integrators]
+        return np.asarray(self.gains.k_p_vel * factor / self.plants.mass)
+
+    @property
+    def radius(self) -> FloatArray:
+        """``(N,)``: below the pole of every lag [rad/s]."""
+        slowest = np.maximum(self.plants.tau_a, self.plants.tau_b)
+        slowest = np.maximum(slowest, self.path.filter_time)
+        if self.which == FORCE:
+            slowest = np.maximum(slowest, self.gains.tau)
+        return 0.9 / np.maximum(slowest, 1e-9)
+
+    @property
+    def tail(self) -> FloatArray:
+        """``(N,)``: |L| ≤ 1/2 beyond it, as |G_F|, |e^{−sd}| and the path are at most 1 there."""
+        plant = self.gains.k_p_vel / self.plants.mass
+        if self.which == VELOCITY:
+            return np.asarray(2 * plant)
+        gains = self.gains
+        corner = gains.omega * gains.tau
+        shape = 1 / corner**2 + gains.xi / corner + 1  # bounds |G_P|/K_P,pos without its I-term
+        tail = 2 * plant
+        for _ in range(200):
+            bound = plant / tail * (1 + gains.k_p_pos * shape / tail + gains.k_i_pos / tail**2)
+            if np.all(bound <= 0.5):
+                break
+            tail = np.where(bound <= 0.5, tail, 1.2 * tail)
+        return np.asarray(tail)
+
+    def response(self, s: ComplexArray, rows: IntArray) -> ComplexArray:
+        """Return L(s[i]) of plant rows[i]."""
+        return _responses(self.which, s, rows, self.plants, self.share_a, self.gains, self.path)
+
+    def bound(self, omega: FloatArray, rows: IntArray) -> FloatArray:
+        """Return the sum of the moduli of the terms of L(jω)."""
+        return _bounds(self.which, omega, rows, self.plants, self.share_a, self.gains, self.path)
+
+    def rate(self, omega: FloatArray, rows: IntArray) -> FloatArray:
+        """Return a bound of every term's |d ln/dω| at ω and beyond.
+
+        Each lag, lead or delay contributes its time, each power of s its exponent over ω, and
+        Eq. 23, an average of delays up to five samples, the longest of them.
+        """
+        plants, path = self.plants, self.path
+        lead = np.maximum(plants.tau_a, plants.tau_b)
+        time = plants.delay + plants.tau_a + plants.tau_b + lead
+        if path.sample_time > 0:
+            filter_time = path.filter_pole * path.sample_time / (1 - path.filter_pole)
+            time = time + 6 * path.sample_time + filter_time
+        if self.which == FORCE:
+            time = time + 2 * self.gains.tau
+        return np.asarray(time[rows] + self.integrators / omega)
+
+
+@parallel_kernel
+def _responses(
+    which: int,
+    s: ComplexArray,
+    rows: IntArray,
+    plants: Plants,
+    share_a: float,
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> ComplexArray:
+    values = np.empty(len(s), np.complex128)
+    for i in numba.prange(len(s)):
+        n = rows[i]
+        values[i] = loop_gain(
+            which,
+            s[i],
+            plants.mass[n],
+            plants.delay[n],
+            plants.tau_a[n],
+            plants.tau_b[n],
+            share_a,
+            gains,
+            path,
+        )
+    return values
+
+
+@kernel
+def _terms(which: int, omega: float, gains: LoopGains) -> float:
+    """Return the sum of the moduli of the feedback's terms, path left out."""
+    if which == VELOCITY:
+        return 1.0
+    ratio = omega / gains.omega
+    shape = (ratio * ratio + 2 * gains.xi * ratio + 1) / (1 + (gains.tau * omega) ** 2)
+    return 1 + (gains.k_p_pos * shape + gains.k_i_pos / omega) / omega
+
+
+@parallel_kernel
+def _bounds(
+    which: int,
+    omega: FloatArray,
+    rows: IntArray,
+    plants: Plants,
+    share_a: float,
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> FloatArray:
+    values = np.empty(len(omega))
+    for i in numba.prange(len(omega)):
+        n = rows[i]
+        s = 1j * omega[i]
+        plant = abs(force_dynamics(s, plants.tau_a[n], plants.tau_b[n], share_a))
+        if path.sample_time > 0:
+            plant *= abs(filter_response(s, path.sample_time, path.filter_pole))
+        values[i] = (
+            gains.k_p_vel / (plants.mass[n] * omega[i]) * plant * _terms(which, omega[i], gains)
+        )
+    return values

@@ -1,0 +1,108 @@
+"""Gains files: the gains in SI, the study they belong to, and what is known of them.
+
+``gains.toml`` is what the bundled controller reads. It refuses a file whose margins are not
+satisfied, unless told otherwise, and one that belongs to another model.
+"""
+
+from __future__ import annotations
+
+import datetime as dt
+import importlib.metadata
+from typing import TYPE_CHECKING, Any, Literal
+
+import tomlkit
+from pydantic import Field, ValidationError
+
+from mptune.errors import Fault, InputError
+from mptune.files import read_text, write_whole
+from mptune.params.controller import Feedforward, Gains
+from mptune.params.load import faults_of, parse_toml
+from mptune.params.section import Section
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+Verdict = Literal["satisfied", "violated", "not run"]
+
+
+def version() -> str:
+    """Return mptune's version."""
+    return importlib.metadata.version("mptune")
+
+
+class GainsFile(Section):
+    """What a gains file says."""
+
+    study: str = Field(description="name of the study")
+    study_hash: str = Field(description="hash of the study's SI model", pattern="^[0-9a-f]{64}$")
+    uncertainty: str = Field("", description="name of the uncertainty set; empty for the default")
+    version: str = Field(description="version of mptune that wrote the file")
+    date: str = Field(description="when it was written, UTC")
+    margins: Verdict = Field(description="verdict on the requirements of Eq. 17 and 21 and others")
+    closed_loop: Verdict = Field(description="verdict on the closed loop in time")
+    gains: Gains
+    feedforward: Feedforward = Feedforward()
+    figures: dict[str, dict[str, Any]] = Field(default_factory=dict)
+
+
+def now() -> str:
+    """Return the present time, UTC, to the second."""
+    return dt.datetime.now(dt.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
+
+
+def write_gains(path: Path, gains: GainsFile) -> Path:
+    """Write a gains file, whole or not at all.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    document = tomlkit.document()
+    document.add(tomlkit.comment("Gains in SI units, written by mptune. Do not edit: the margins"))
+    document.add(tomlkit.comment("below hold for exactly these numbers."))
+    values = gains.model_dump()
+    for key, value in values.items():
+        if not isinstance(value, dict):
+            document.add(key, value)
+    for section in (gains.gains, gains.feedforward):
+        name = type(section).__name__.lower()
+        table = tomlkit.table()
+        for key, unit, symbol, meaning in section.quantities():
+            item = tomlkit.item(getattr(section, key))
+            item.comment(f"{unit if unit != '1' else '-'}, {symbol}, {meaning}")
+            table.add(key, item)
+        document.add(name, table)
+    document.add("figures", values["figures"])
+    return write_whole(path, tomlkit.dumps(document))
+
+
+def read_gains(path: Path, study_hash: str = "") -> GainsFile:
+    """Read a gains file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    study_hash
+        The hash of the study for which the gains are wanted; empty where any will do.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, breaks a rule, or belongs to another study.
+    """
+    values = parse_toml(path, read_text(path))
+    try:
+        gains = GainsFile.model_validate(values, context={"si": True})
+    except ValidationError as error:
+        raise InputError(path, *faults_of(error, GainsFile)) from error
+    if study_hash and gains.study_hash != study_hash:
+        fault = Fault(
+            "study_hash",
+            f"{gains.study_hash[:12]}…",
+            f"belongs to another model than this study's ({study_hash[:12]}…)",
+            "tune or sweep with the study and uncertainty set that the gains were made for",
+        )
+        raise InputError(path, fault)
+    return gains

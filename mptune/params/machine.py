@@ -1,0 +1,130 @@
+"""The machine: cylinder, oil, hoses, valves, supplies and load (Table 1, Fig. 4)."""
+
+from __future__ import annotations
+
+import math
+from typing import Self
+
+from pydantic import model_validator
+
+from mptune.params.section import Range, Section, quantity, refuse
+
+
+class Cylinder(Section):
+    """The main cylinder. Side A is the piston side, side B the rod side."""
+
+    bore: float = quantity("m", "D", "bore diameter", above=0)
+    rod: float = quantity("m", "D_r", "rod diameter", at_least=0)
+    stroke: float = quantity("m", "x_max", "stroke", above=0)
+    dead_volume_a: float = quantity("m^3", "V_0,A", "dead volume, A-side", at_least=0)
+    dead_volume_b: float = quantity("m^3", "V_0,B", "dead volume, B-side", at_least=0)
+
+    @model_validator(mode="after")
+    def _rod_fits(self) -> Self:
+        if self.rod >= self.bore:
+            refuse(
+                f"has a rod ({self.rod:g} m) that is not thinner than its bore ({self.bore:g} m)",
+                "check both diameters",
+            )
+        return self
+
+    @property
+    def area_a(self) -> float:
+        """Piston area of the A-side, A_A [m²]."""
+        return math.pi / 4 * self.bore**2
+
+    @property
+    def area_b(self) -> float:
+        """Piston area of the B-side, A_B [m²]."""
+        return math.pi / 4 * (self.bore**2 - self.rod**2)
+
+    @property
+    def share_a(self) -> float:
+        """Share of the A-side in both areas, A_A/(A_A + A_B)."""
+        return self.area_a / (self.area_a + self.area_b)
+
+
+class Oil(Section):
+    """The oil's bulk modulus, as it may be and as the controller believes it."""
+
+    bulk_modulus: Range = quantity("Pa", "B_oil", "bulk modulus of the oil", above=0)
+    bulk_modulus_estimate: float = quantity("Pa", "B̂_oil", "estimate of B_oil", above=0)
+
+    @model_validator(mode="after")
+    def _estimate_is_above(self) -> Self:
+        largest = self.bulk_modulus[1]
+        if self.bulk_modulus_estimate < largest:
+            refuse(
+                f"has a bulk_modulus_estimate of {self.bulk_modulus_estimate / 1e6:g} MPa, below "
+                f"the largest oil bulk modulus, {largest / 1e6:g} MPa; Eq. 12 needs B ≤ B̂",
+                "raise the estimate",
+            )
+        return self
+
+
+class Hose(Section):
+    """The hoses between the valves and the two chambers."""
+
+    diameter: float = quantity("m", "D_h", "inner diameter", above=0)
+    length_a: float = quantity("m", "L_h,A", "length, A-side", at_least=0)
+    length_b: float = quantity("m", "L_h,B", "length, B-side", at_least=0)
+    bulk_modulus: float = quantity("Pa", "B_h", "bulk modulus of the hose", above=0)
+
+    @property
+    def volume_a(self) -> float:
+        """Hose volume of the A-side, V_h,A [m³]."""
+        return math.pi / 4 * self.diameter**2 * self.length_a
+
+    @property
+    def volume_b(self) -> float:
+        """Hose volume of the B-side, V_h,B [m³]."""
+        return math.pi / 4 * self.diameter**2 * self.length_b
+
+
+class Valves(Section):
+    """The on/off valves, all alike."""
+
+    flow_coefficient: float = quantity(
+        "m^3/(s Pa^0.5)", "K_v", "flow coefficient of one valve", above=0
+    )
+    delay: Range = quantity("s", "d_v", "valve delay, opening ramp included", at_least=0)
+    computation_delay: Range = quantity("s", "d_c", "computational delay", at_least=0)
+    transition_pressure: float = quantity(
+        "Pa", "p_tr", "pressure difference below which the orifice is smoothed", above=0
+    )
+
+
+class Supplies(Section):
+    """The six supply pressures, made from one accumulator by four converter cylinders."""
+
+    low_pressure: float = quantity("Pa", "p_LP", "pressure of the tank-side line", at_least=0)
+    high_pressure: float = quantity("Pa", "p_HP", "nominal highest pressure", above=0)
+    pump_on: float = quantity("Pa", "p_on", "pressure at which the pump starts", above=0)
+    pump_off: float = quantity("Pa", "p_off", "pressure at which the pump stops", above=0)
+    pump_flow: float = quantity("m^3/s", "Q_pump", "flow of the pump", above=0)
+    accumulator_volume: float = quantity("m^3", "V_acc", "accumulator volume", above=0)
+    accumulator_precharge: float = quantity("Pa", "p_pre", "gas precharge", above=0)
+    accumulator_exponent: float = quantity("1", "n", "polytropic exponent of the gas", at_least=1)
+    converter_area: float = quantity("m^2", "A_conv", "converter piston area", above=0)
+    converter_travel: float = quantity(
+        "m", "x_conv", "converter piston travel from the centre to an end", above=0
+    )
+    converter_friction: float = quantity("Pa", "p_conv", "converter friction", at_least=0)
+
+    @model_validator(mode="after")
+    def _pressures_are_ordered(self) -> Self:
+        if not self.low_pressure < self.high_pressure:
+            refuse("has a low_pressure not below its high_pressure", "check both pressures")
+        if not self.pump_on < self.pump_off:
+            refuse("has a pump_on pressure not below pump_off", "check both pressures")
+        return self
+
+
+class Load(Section):
+    """What the piston pushes against, apart from the inertia (which is in ``[uncertainty]``)."""
+
+    force: float = quantity("N", "F_load", "constant load force")
+    friction_coulomb: float = quantity("N", "F_C", "Coulomb friction", at_least=0)
+    friction_static: float = quantity("N", "F_S", "stiction", at_least=0)
+    friction_viscous: float = quantity("N s/m", "b", "viscous friction", at_least=0)
+    friction_velocity: float = quantity("m/s", "v_S", "Stribeck velocity", above=0)

@@ -1,0 +1,32 @@
+"""The moves on which gains are judged, and the machines that make them (§6, §7)."""
+
+from __future__ import annotations
+
+from typing import Literal
+
+from pydantic import Field
+
+from mptune.params.section import Section, quantity
+
+
+class Manoeuvre(Section):
+    """One move of the position reference, then a rest."""
+
+    kind: Literal["quintic"] = Field("quintic", description="shape of the reference")
+    distance: float = quantity("m", "A", "signed length of the move")
+    duration: float = quantity("s", "T", "time of the move", above=0)
+    rest: float = quantity("s", "T_rest", "rest after the move", at_least=0)
+
+
+class Verification(Section):
+    """The machines on which the gains are proven."""
+
+    start: float = quantity("m", "x_0", "piston position at the start", at_least=0)
+    masses: tuple[float, ...] = quantity("kg", "m", "masses", above=0)
+    valve_delays: tuple[float, ...] = quantity(
+        "s", "d", "delays of valve and computation", at_least=0
+    )
+    oil_bulk_moduli: tuple[float, ...] = quantity("Pa", "B_oil", "oil bulk moduli", above=0)
+    load_forces: tuple[float, ...] = quantity("N", "F_load", "load forces")
+    seeds: tuple[int, ...] = Field((1,), description="seeds of the random numbers")
+    repeats: int = quantity("1", "n", "movement sets per case", 1, at_least=1)

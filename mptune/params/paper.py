@@ -1,0 +1,120 @@
+"""The paper: its published gains, the figures it reports, and where we disagree with its text.
+
+The paper is "Model-based force and position tracking control of a multi-pressure hydraulic
+cylinder". Its machine stands in ``studies/boom/study.toml``, value by value with its source. The
+ledger below says what the paper's text garbles, leaves out or contradicts, and what mptune uses
+instead; nothing of that is hidden in a tolerance.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from mptune.params.controller import Gains
+
+PUBLISHED_GAINS = Gains.model_validate(
+    {
+        "k_p_vel": "700 kN s/m",  # §5.3, Table 2
+        "k_p_pos": "13 1/s",  # §5.3, Table 2
+        "k_i_pos": "22 1/s^2",  # §5.3, Table 2
+        "omega": "42 rad/s",  # §5.3, Table 2
+        "xi": 0.55,  # §5.3, Table 2
+        "tau": "6 ms",  # §5.3, Table 2
+    }
+)
+
+MEASURED_INDEX_RANGE = {24500.0: (13.1e-3, 30.4e-3), 49000.0: (18.1e-3, 33.7e-3)}
+"""Range of the performance index [s] over 20 measured responses, by mass [kg], §7.2."""
+
+
+@dataclass(frozen=True)
+class Disagreement:
+    """One entry of the ledger."""
+
+    where: str
+    reads: str
+    used: str
+    why: str
+
+
+LEDGER = (
+    Disagreement(
+        "Eq. 11",
+        "the denominators are lost",
+        "G_F(s) = ((τ_B A_A + τ_A A_B)/(A_A + A_B) s + 1) / ((τ_A s + 1)(τ_B s + 1))",
+        "F = A_A p_A − A_B p_B, with both pressure references moved by F_ref/(A_A + A_B) and each "
+        "pressure lagging by its own τ; the DC gain is 1, and τ_A = τ_B gives 1/(τ s + 1)",
+    ),
+    Disagreement(
+        "Eq. 6",
+        "the matrix is garbled",
+        "28 states generated from the rule 1 + 6 + 6 + 5 + 10",
+        "all closed, both parallel valves, one valve, crossflow 1+1 between neighbouring "
+        "pressures, crossflow 2+1 and 1+2: the counts add up to the 28 that the text names",
+    ),
+    Disagreement(
+        "§6", "«the matrix of Equation 5»", "Eq. 6", "Eq. 5 is the estimator and has no matrix"
+    ),
+    Disagreement(
+        "W_conv",
+        "N s/m⁶ in Table 2, N/m³ in the nomenclature",
+        "N s/m⁶",
+        "it multiplies a flow times a cubed position, m⁶/s, and gives a force",
+    ),
+    Disagreement(
+        "§6, §7.2",
+        "peak velocities of 105 and of 111 mm/s",
+        "105 mm/s is the reference's peak, 111 mm/s the measured one",
+        "1.875 A/T of the quintic is 105 mm/s; 1.9 mm over 111 mm/s is the 17.1 ms of §7.2",
+    ),
+    Disagreement(
+        "§5.1, maxima of τ_A and τ_B",
+        "12.2 and 11.9 ms from Eq. 4 and Eq. 12",
+        "Fig. 5's ranges as printed for the paper's study; the computed ones stand beside them",
+        "at T_S = 10 ms and 800 of 1400 MPa Eq. 12 cannot exceed −10 ms/ln(1 − 800/1400) = "
+        "11.80 ms for any geometry; T_S = 12 ms with an 80/40 × 300 mm cylinder gives 12.25 and "
+        "11.93 ms, probably figures of an earlier draft",
+    ),
+    Disagreement(
+        "System delay",
+        "10–14 ms in §5.1, 11–21.5 ms in Fig. 5",
+        "both, as two uncertainty sets; Fig. 5's is the default",
+        "T_S/2 + valve 5–8 ms + computation 0–1 ms is 10–14 ms; the further 7.5 ms have no unique "
+        "origin (filters, most likely)",
+    ),
+    Disagreement(
+        "Main cylinder",
+        "dimensions are not in the text",
+        "80/40 mm, stroke 300 mm",
+        "the area ratio 4/3 is the largest for which Eq. 13's p_A = 12 MPa keeps p_B within "
+        "p_max = 16 MPa; the volumes follow from the τ maxima at T_S = 12 ms",
+    ),
+    Disagreement(
+        "Velocity reference",
+        "no block diagram of the outer loop",
+        "F_ref = K_P,vel (v_ref + G_P (x_ref − x_f) − v_f), v_ref the reference's derivative",
+        "without the velocity feed-forward the linear index is above 40 ms, far outside the "
+        "measured 13.1–30.4 ms",
+    ),
+    Disagreement(
+        "Eq. 17 and Eq. 21",
+        "stability of the linear model without its measurement path",
+        "the same inequalities, and beside them the true family with median, filter and Eq. 23",
+        "with the path and the published gains the worst plant of Fig. 5's set is unstable, and "
+        "the worst plant of §5.1's set keeps a gain margin of only 1.2 at F_ref",
+    ),
+    Disagreement(
+        "Eq. 15",
+        "the valve delay stands in series with G_F",
+        "in series, as printed",
+        "the force controller feeds pressure back, so that the delay sits inside its loop; "
+        "Fig. 3 runs without valve delay and cannot show the difference",
+    ),
+    Disagreement(
+        "§8, pipeline dynamics",
+        "«the dynamic model of Eq. 1 is not accurate enough»",
+        "not modelled in the linear family",
+        "the paper's own suspect for its force errors; the margin is asked to grow with frequency",
+    ),
+)
+"""Every disagreement with the paper's text, and what is used instead."""

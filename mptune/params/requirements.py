@@ -1,0 +1,99 @@
+"""What the tuned loops must keep, and what they are tuned for."""
+
+from __future__ import annotations
+
+from itertools import pairwise
+from typing import Any, Literal, Self
+
+from pydantic import Field, field_validator, model_validator
+
+from mptune.params.section import Range, Section, quantity, refuse
+from mptune.units import UnitError, parse_quantity
+
+RatioCurve = tuple[tuple[float, float], ...]
+"""Pairs of frequency [rad/s] and largest allowed ratio, frequencies rising."""
+
+
+class GainBounds(Section):
+    """Smallest and largest value of single gains; a missing one is free within the default."""
+
+    k_p_vel: Range | None = quantity("N s/m", "K_P,vel", "bounds of K_P,vel", None, above=0)
+    k_p_pos: Range | None = quantity("1/s", "K_P,pos", "bounds of K_P,pos", None, at_least=0)
+    k_i_pos: Range | None = quantity("1/s^2", "K_I,pos", "bounds of K_I,pos", None, at_least=0)
+    omega: Range | None = quantity("rad/s", "ω", "bounds of ω", None, above=0)
+    xi: Range | None = quantity("1", "ξ", "bounds of ξ", None, at_least=0)
+    tau: Range | None = quantity("s", "τ", "bounds of τ", None, above=0)
+
+
+class Requirements(Section):
+    """The largest allowed left/right ratios of Eq. 17 and 21, and bounds on other margins."""
+
+    velocity_ratio: float | RatioCurve = Field(1.0, description="largest ratio of Eq. 17")
+    position_ratio: float | RatioCurve = Field(1.0, description="largest ratio of Eq. 21")
+    sensitivity_peak: float | None = quantity("1", "M_S", "largest sensitivity peak", None, above=1)
+    complementary_peak: float | None = quantity(
+        "1", "M_T", "largest complementary sensitivity peak", None, at_least=1
+    )
+    gain_margin: float | None = quantity(
+        "1", "g_m", "smallest gain margin at F_ref, sampled loop", None, above=1
+    )
+    noise_gain: float | None = quantity(
+        "N/m", "N", "largest noise gain from position to F_ref", None, above=0
+    )
+    bounds: GainBounds = GainBounds()
+
+    @field_validator("velocity_ratio", "position_ratio", mode="before")
+    @classmethod
+    def _ratio(cls, value: Any) -> Any:
+        if isinstance(value, list):
+            return _curve(value)
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            refuse("is no ratio", 'give a number, or pairs like [["10 rad/s", 0.7], …]')
+        return _checked_ratio(value)
+
+
+def _curve(pairs: list[Any]) -> RatioCurve:
+    if not pairs:
+        refuse("is an empty curve", 'give pairs like [["10 rad/s", 0.7], ["100 rad/s", 0.4]]')
+    curve = []
+    for pair in pairs:
+        if not isinstance(pair, list | tuple) or len(pair) != 2 or not isinstance(pair[0], str):
+            refuse("is no list of pairs", 'give pairs like [["10 rad/s", 0.7], ["100 rad/s", 0.4]]')
+        try:
+            frequency = parse_quantity(pair[0], "rad/s")
+        except UnitError as error:
+            refuse(error.rule, error.remedy)
+        if frequency <= 0:
+            refuse("has a frequency that is not positive", "give frequencies above 0 rad/s")
+        curve.append((frequency, _checked_ratio(pair[1])))
+    frequencies = [frequency for frequency, _ in curve]
+    if any(a >= b for a, b in pairwise(frequencies)):
+        refuse("has frequencies that do not rise", "order the pairs by rising frequency")
+    return tuple(curve)
+
+
+def _checked_ratio(value: Any) -> float:
+    if isinstance(value, bool) or not isinstance(value, int | float) or not 0 < value <= 1:
+        refuse("is not above 0 and at most 1", "the theorem needs a left/right ratio below 1")
+    return float(value)
+
+
+class Objective(Section):
+    """What the tuner improves."""
+
+    kind: Literal["tracking", "disturbance", "bandwidth"] | None = Field(
+        None, description="the objective"
+    )
+    tracking: float | None = quantity("1", "w_t", "weight of tracking", None, at_least=0)
+    disturbance: float | None = quantity("1", "w_d", "weight of disturbance", None, at_least=0)
+    bandwidth: float | None = quantity("1", "w_b", "weight of bandwidth", None, at_least=0)
+
+    @model_validator(mode="after")
+    def _one_way(self) -> Self:
+        weights = (self.tracking, self.disturbance, self.bandwidth)
+        weighted = any(weight is not None for weight in weights)
+        if weighted == (self.kind is not None):
+            refuse("needs either a kind or weights", 'write kind = "tracking", or weights')
+        if weighted and not any(weights):
+            refuse("has no weight above zero", "give at least one positive weight")
+        return self

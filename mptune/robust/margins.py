@@ -1,0 +1,217 @@
+"""Stability margins of every plant of a family, in the loop's three places, with dead time.
+
+Peaks are refined between grid points by a golden section and crossings by bisection, so that the
+grid only has to be fine enough to see each of them. A peak narrower than the grid can be missed,
+which is optimistic; whether a loop is stable at all is decided elsewhere, by encirclements.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numba
+import numpy as np
+
+from mptune.arrays import Complex, FloatArray, kernel, parallel_kernel
+from mptune.loops.broken import loop_gain
+
+if TYPE_CHECKING:
+    from mptune.params.pack import LoopGains, MeasurementPath, Plants
+
+_GOLDEN = (5**0.5 - 1) / 2
+_PEAK_STEPS = 25  # of a golden section: 6e-6 of the grid step, 1e-11 of a smooth peak
+_CROSSING_STEPS = 40  # of a bisection: 1e-12 of the grid step
+_SENSITIVITY, _COMPLEMENTARY, _DISK = 0, 1, 2
+
+
+class Margins(NamedTuple):
+    """Margins of three loops (rows: velocity, position, force) of N plants, ``(3, N)`` each.
+
+    Each figure is followed by its frequency [rad/s]. Where a margin has no limit it is infinite
+    and its frequency NaN.
+    """
+
+    sensitivity_peak: FloatArray  # M_S = max |1/(1 + L)|
+    sensitivity_frequency: FloatArray
+    complementary_peak: FloatArray  # M_T = max |L/(1 + L)|
+    complementary_frequency: FloatArray
+    gain_margin: FloatArray  # smallest factor above 1 that reaches the critical point
+    gain_frequency: FloatArray
+    gain_reduction: FloatArray  # largest factor below 1 that reaches it; 0 where none does
+    reduction_frequency: FloatArray
+    phase_margin: FloatArray  # rad, the smaller of both directions
+    phase_frequency: FloatArray
+    delay_margin: FloatArray  # s, min over the crossovers of φ(ω)/ω
+    delay_frequency: FloatArray
+    disk_margin: FloatArray  # α = 1/max |(S − T)/2|, symmetric disk
+    disk_frequency: FloatArray
+
+
+def family_margins(
+    omega: FloatArray,
+    plants: Plants,
+    share_a: float,
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> Margins:
+    """Return the margins of every plant, from the frequencies ``omega`` ``(F,)`` refined."""
+    table = _family_margins(omega, plants, share_a, gains, path)
+    return Margins(*np.moveaxis(table, 2, 0))
+
+
+@parallel_kernel
+def _family_margins(
+    omega: FloatArray,
+    plants: Plants,
+    share_a: float,
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> FloatArray:
+    count = len(plants.mass)
+    table = np.empty((3, count, 14))
+    for n in numba.prange(count):
+        plant = (plants.mass[n], plants.delay[n], plants.tau_a[n], plants.tau_b[n], share_a)
+        for which in range(3):
+            table[which, n, :] = _margins(which, omega, plant, gains, path)
+    return table
+
+
+@kernel
+def _gain(
+    which: int,
+    omega: float,
+    plant: tuple[float, float, float, float, float],
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> Complex:
+    mass, delay, tau_a, tau_b, share_a = plant
+    return loop_gain(which, 1j * omega, mass, delay, tau_a, tau_b, share_a, gains, path)
+
+
+@kernel
+def _size(kind: int, gain: complex) -> float:
+    """Return |S|, |T| or |S − T|/2 of a loop gain."""
+    if kind == _SENSITIVITY:
+        return 1 / abs(1 + gain)
+    if kind == _COMPLEMENTARY:
+        return abs(gain / (1 + gain))
+    return 0.5 * abs((1 - gain) / (1 + gain))
+
+
+@kernel
+def _margins(
+    which: int,
+    omega: FloatArray,
+    plant: tuple[float, float, float, float, float],
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> FloatArray:
+    points = len(omega)
+    loop = np.empty(points, np.complex128)
+    top = np.zeros(3, np.int64)
+    height = np.zeros(3)
+    for f in range(points):
+        loop[f] = _gain(which, omega[f], plant, gains, path)
+        for kind in range(3):
+            size = _size(kind, loop[f])
+            if size > height[kind]:
+                height[kind] = size
+                top[kind] = f
+    row = np.full(14, np.nan)
+    for kind in range(3):
+        low, high = omega[max(top[kind] - 1, 0)], omega[min(top[kind] + 1, points - 1)]
+        at = _peak(kind, which, low, high, plant, gains, path)
+        peak = _size(kind, _gain(which, at, plant, gains, path))
+        column = 12 if kind == _DISK else 2 * kind
+        row[column] = 1 / peak if kind == _DISK else peak
+        row[column + 1] = at
+    row[4], row[6], row[8], row[10] = np.inf, 0.0, np.inf, np.inf
+    for f in range(points - 1):
+        if (loop[f].imag < 0) != (loop[f + 1].imag < 0):
+            _note_gain_crossing(row, which, omega[f], omega[f + 1], plant, gains, path)
+        if (abs(loop[f]) > 1) != (abs(loop[f + 1]) > 1):
+            _note_phase_crossing(row, which, omega[f], omega[f + 1], plant, gains, path)
+    return row
+
+
+@kernel
+def _peak(
+    kind: int,
+    which: int,
+    low: float,
+    high: float,
+    plant: tuple[float, float, float, float, float],
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> float:
+    """Return the frequency of the peak of |S|, |T| or |S − T| between two frequencies."""
+    left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
+    at_left = _size(kind, _gain(which, left, plant, gains, path))
+    at_right = _size(kind, _gain(which, right, plant, gains, path))
+    for _ in range(_PEAK_STEPS):
+        if at_left > at_right:
+            high, right, at_right = right, left, at_left
+            left = high - _GOLDEN * (high - low)
+            at_left = _size(kind, _gain(which, left, plant, gains, path))
+        else:
+            low, left, at_left = left, right, at_right
+            right = low + _GOLDEN * (high - low)
+            at_right = _size(kind, _gain(which, right, plant, gains, path))
+    return 0.5 * (low + high)
+
+
+@kernel
+def _note_gain_crossing(
+    row: FloatArray,
+    which: int,
+    low: float,
+    high: float,
+    plant: tuple[float, float, float, float, float],
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> None:
+    """Note the gain margin where L crosses the real axis, if left of the origin."""
+    below = _gain(which, low, plant, gains, path).imag < 0
+    for _ in range(_CROSSING_STEPS):
+        middle = 0.5 * (low + high)
+        if (_gain(which, middle, plant, gains, path).imag < 0) == below:
+            low = middle
+        else:
+            high = middle
+    at = 0.5 * (low + high)
+    crossing = _gain(which, at, plant, gains, path).real
+    if crossing >= 0:
+        return
+    factor = -1 / crossing
+    if factor >= 1 and factor < row[4]:
+        row[4], row[5] = factor, at
+    if factor < 1 and factor > row[6]:
+        row[6], row[7] = factor, at
+
+
+@kernel
+def _note_phase_crossing(
+    row: FloatArray,
+    which: int,
+    low: float,
+    high: float,
+    plant: tuple[float, float, float, float, float],
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> None:
+    """Note phase and delay margin where |L| crosses 1."""
+    above = abs(_gain(which, low, plant, gains, path)) > 1
+    for _ in range(_CROSSING_STEPS):
+        middle = 0.5 * (low + high)
+        if (abs(_gain(which, middle, plant, gains, path)) > 1) == above:
+            low = middle
+        else:
+            high = middle
+    at = 0.5 * (low + high)
+    gain = _gain(which, at, plant, gains, path)
+    lag = (np.arctan2(gain.imag, gain.real) + np.pi) % (2 * np.pi)  # to reach −1 by lagging
+    phase = min(lag, 2 * np.pi - lag)
+    if phase < row[8]:
+        row[8], row[9] = phase, at
+    if lag / at < row[10]:
+        row[10], row[11] = lag / at, at

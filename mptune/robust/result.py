@@ -1,0 +1,255 @@
+"""What a sweep found: frozen, with a status and the plant and frequency responsible."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, fields
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from mptune.arrays import BoolArray, FloatArray, IntArray
+    from mptune.params.controller import Gains
+    from mptune.params.pack import Plants
+    from mptune.params.study import ResolvedStudy
+    from mptune.robust.margins import Margins
+
+
+class Status(StrEnum):
+    """How a condition or a requirement came out."""
+
+    SATISFIED = "satisfied"
+    VIOLATED = "violated"
+    UNSTABLE = "unstable"  # a premise of the theorem fails: a nominal loop is not stable
+    UNDECIDED = "undecided"  # a loop passes through the critical point as far as can be told
+    NOT_CONVERGED = "not converged"  # the worst ratio still moved when refinement ended
+    NOT_EVALUATED = "not evaluated"  # this version has no check for it
+
+
+@dataclass(frozen=True)
+class PlantPoint:
+    """A plant of the family at a frequency."""
+
+    mass_kg: float
+    delay_s: float
+    tau_a_s: float
+    tau_b_s: float
+    frequency_rad_s: float
+
+    def values(self) -> dict[str, float]:
+        """Return the fields by name, as JSON has them."""
+        return {field.name: getattr(self, field.name) for field in fields(self)}
+
+
+def plant_point(plants: Plants, index: int, frequency: float) -> PlantPoint:
+    """Return one plant of a family at a frequency [rad/s]."""
+    mass, delay, tau_a, tau_b = (float(column[index]) for column in plants)
+    return PlantPoint(mass, delay, tau_a, tau_b, float(frequency))
+
+
+@dataclass(frozen=True)
+class Condition:
+    """Eq. 17 or Eq. 21 over the family.
+
+    Attributes
+    ----------
+    name
+        ``"velocity"`` (Eq. 17) or ``"position"`` (Eq. 21).
+    left, right
+        ``(F,)`` envelope of |Δ| over the family, and |(1 + L_N)/L_N|.
+    plant
+        ``(F,)`` the plant behind each value of the envelope.
+    plant_ratio
+        ``(N,)`` each plant's largest left/right ratio.
+    allowed
+        ``(F,)`` largest ratio that the study allows.
+    worst_ratio, at
+        Largest ratio over plants and frequencies, and where. A finite grid can only miss higher
+        values, so the figure errs on the optimistic side.
+    worst_use, worst_use_at
+        Largest quotient of ratio and allowed ratio, and where.
+    low_frequency_limit
+        The worst ratio is the limit of vanishing frequency, |m_min/m − 1|, which no gain changes.
+    nominal_stable, poles_equal
+        The theorem's premises: the nominal closed loop is stable; nominal and true open loops have
+        the same number of unstable poles.
+    """
+
+    name: str
+    left: FloatArray
+    right: FloatArray
+    plant: IntArray
+    plant_ratio: FloatArray
+    allowed: FloatArray
+    worst_ratio: float
+    at: PlantPoint
+    worst_use: float
+    worst_use_at: PlantPoint
+    low_frequency_limit: bool
+    nominal_stable: bool
+    poles_equal: bool
+    status: Status
+
+    @property
+    def ratio(self) -> FloatArray:
+        """``(F,)``: left over right."""
+        return np.asarray(self.left / self.right)
+
+    @property
+    def margin(self) -> float:
+        """Factor by which the family's error may grow before the condition fails."""
+        return 1 / self.worst_ratio
+
+    @property
+    def satisfied(self) -> bool:
+        """Whether the requirement and the theorem's premises hold."""
+        return self.status is Status.SATISFIED
+
+
+@dataclass(frozen=True)
+class Family:
+    """The true family's stability and margins, with or without the measurement path.
+
+    Attributes
+    ----------
+    path
+        ``"none"`` or ``"filters"``.
+    velocity_stable, stable
+        ``(N,)`` whether the velocity loop alone and the whole closed loop are stable.
+    decided
+        ``(N,)`` whether both were decided for certain.
+    margins
+        Margins ``(3, N)``, NaN where the loop is not stable.
+    """
+
+    path: str
+    plants: Plants
+    velocity_stable: BoolArray
+    stable: BoolArray
+    decided: BoolArray
+    margins: Margins
+
+    @property
+    def unstable_count(self) -> int:
+        """Number of plants whose closed loop is not certainly stable."""
+        return int(np.sum(~self.stable))
+
+    def worst(self, name: str, loop: int) -> tuple[float, PlantPoint | None]:
+        """Return the worst value of one margin in one loop, and where it is.
+
+        The place is None where the margin has no limit. The value is NaN where some plant is
+        unstable: the family then has no such margin.
+        """
+        values = getattr(self.margins, name)[loop]
+        if np.isnan(values).any():
+            return float("nan"), None
+        largest_is_worst = name.endswith("peak") or name == "gain_reduction"
+        index = int(np.argmax(values) if largest_is_worst else np.argmin(values))
+        frequency = self.margins[self.margins._fields.index(name) + 1][loop, index]
+        at = None if np.isnan(frequency) else plant_point(self.plants, index, frequency)
+        return float(values[index]), at
+
+    def first_unstable(self) -> PlantPoint | None:
+        """Return an unstable plant, the one with the least mass and then the largest lags."""
+        index = np.flatnonzero(~self.stable)
+        if len(index) == 0:
+            return None
+        plants = self.plants
+        order = np.lexsort((-plants.tau_a[index], -plants.delay[index], plants.mass[index]))
+        return plant_point(plants, int(index[order[0]]), float("nan"))
+
+
+@dataclass(frozen=True)
+class Check:
+    """One requirement of the study: its limit, what was found, and where."""
+
+    name: str
+    limit: str
+    found: float
+    status: Status
+    at: PlantPoint | None
+
+
+@dataclass(frozen=True)
+class SweepResult:
+    """Both conditions and the true family's margins for one set of gains."""
+
+    study: ResolvedStudy
+    gains: Gains
+    omega: FloatArray
+    plants: Plants
+    velocity: Condition
+    position: Condition
+    families: tuple[Family, ...]  # without and with the measurement path
+    checks: tuple[Check, ...]
+
+    @property
+    def conditions(self) -> tuple[Condition, Condition]:
+        """Eq. 17 and Eq. 21."""
+        return self.velocity, self.position
+
+    @property
+    def satisfied(self) -> bool:
+        """Whether every requirement of the study is met."""
+        return all(check.status is Status.SATISFIED for check in self.checks)
+
+    def family(self, path: str) -> Family:
+        """Return the true family with the path ``"none"`` or ``"filters"``."""
+        return next(family for family in self.families if family.path == path)
+
+    def json(self) -> dict[str, Any]:
+        """Return the result in SI, units in the keys."""
+        values: dict[str, Any] = {}
+        for condition in self.conditions:
+            values[condition.name] = {
+                "worst_ratio": condition.worst_ratio,
+                "margin": condition.margin,
+                "satisfied": condition.satisfied,
+                "status": condition.status.value,
+                "nominal_stable": condition.nominal_stable,
+                "poles_equal": condition.poles_equal,
+                "low_frequency_limit": condition.low_frequency_limit,
+                "at": condition.at.values(),
+            }
+        values["true_family"] = {family.path: _family_json(family) for family in self.families}
+        values["requirements"] = [
+            {
+                "name": check.name,
+                "limit": check.limit,
+                "found": check.found,
+                "status": check.status.value,
+                "at": check.at.values() if check.at else None,
+            }
+            for check in self.checks
+        ]
+        values["satisfied"] = self.satisfied
+        return values
+
+
+WORST_FIGURES = (
+    ("sensitivity_peak", "sensitivity_peak"),
+    ("complementary_peak", "complementary_peak"),
+    ("gain_margin", "gain_margin"),
+    ("gain_reduction", "gain_reduction"),
+    ("phase_margin", "phase_margin_rad"),
+    ("delay_margin", "delay_margin_s"),
+    ("disk_margin", "disk_margin"),
+)
+"""Margins that are reported, and their keys in JSON."""
+
+
+def _family_json(family: Family) -> dict[str, Any]:
+    unstable = family.first_unstable()
+    values: dict[str, Any] = {
+        "plants": len(family.stable),
+        "unstable_plants": family.unstable_count,
+        "undecided_plants": int(np.sum(~family.decided)),
+        "unstable_at": unstable.values() if unstable else None,
+    }
+    for loop, name in enumerate(("velocity_loop", "position_loop", "force_loop")):
+        values[name] = {}
+        for figure, key in WORST_FIGURES:
+            value, at = family.worst(figure, loop)
+            values[name][key] = {"worst": value, "at": at.values() if at else None}
+    return values

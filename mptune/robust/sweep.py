@@ -1,0 +1,216 @@
+"""The sweep: both sides of Eq. 17 and Eq. 21 over the family, and the true family's margins."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.arrays import FloatArray, frozen
+from mptune.loops.broken import FORCE, VELOCITY
+from mptune.loops.family import FamilyLoops, nominal_plants, plants_of
+from mptune.loops.stability import PoleCount, count_unstable_poles
+from mptune.params.pack import (
+    NO_PATH,
+    LoopGains,
+    MeasurementPath,
+    NominalPlant,
+    Plants,
+    pack_filters,
+    pack_gains,
+    pack_nominal,
+    pack_path,
+)
+from mptune.robust.condition import Sides, sides
+from mptune.robust.grid import first_grid, frequency_range, refinement
+from mptune.robust.margins import Margins, family_margins
+from mptune.robust.result import Condition, Family, Status, SweepResult, plant_point
+from mptune.robust.verdict import allowed_ratio, check_requirements
+
+if TYPE_CHECKING:
+    from mptune.params.controller import Gains
+    from mptune.params.requirements import RatioCurve
+    from mptune.params.study import ResolvedStudy
+
+CONVERGED = 1e-4  # relative change of the worst ratio between refinements
+_ROUNDS = 30
+
+
+def sweep(study: ResolvedStudy, gains: Gains | None = None) -> SweepResult:
+    """Sweep mass × delay × τ_A × τ_B × frequency for one set of gains.
+
+    Parameters
+    ----------
+    study
+        The study.
+    gains
+        The gains; the study's own where None.
+
+    Returns
+    -------
+    SweepResult
+        Both conditions, the true family's margins without and with the measurement path, and the
+        study's requirements checked.
+    """
+    gains = gains or study.study.gains
+    plants, nominal = plants_of(study), pack_nominal(study)
+    packed, path = pack_gains(gains), pack_path(study)
+    share_a = study.study.cylinder.share_a
+    limits = (study.study.requirements.velocity_ratio, study.study.requirements.position_ratio)
+
+    omega, found, converged = _refined_sides(plants, nominal, share_a, packed, path, limits)
+    paths = {"none": NO_PATH, "filters": pack_filters(study.study.controller)}
+    families = tuple(
+        _family(name, omega, plants, share_a, packed, one) for name, one in paths.items()
+    )
+    true = next(family for family in families if paths[family.path] == path)
+    conditions = _conditions(
+        omega, found, plants, limits, converged, _premises(nominal, packed, path, true)
+    )
+    return SweepResult(
+        study=study,
+        gains=gains,
+        omega=frozen(omega),
+        plants=plants,
+        velocity=conditions[0],
+        position=conditions[1],
+        families=families,
+        checks=check_requirements(study.study.requirements, conditions, true),
+    )
+
+
+def _refined_sides(
+    plants: Plants,
+    nominal: NominalPlant,
+    share_a: float,
+    gains: LoopGains,
+    path: MeasurementPath,
+    limits: tuple[float | RatioCurve, ...],
+) -> tuple[FloatArray, Sides, tuple[bool, bool]]:
+    """Evaluate both conditions on a grid that is refined until the worst ratios stand still."""
+    low, high = frequency_range(plants, nominal, gains)
+    omega = first_grid(low, high)
+    found = sides(omega, plants, nominal, share_a, gains, path)
+    settled = np.zeros(2, np.bool_)
+    for _ in range(_ROUNDS):
+        uses = [found.ratio[loop] / allowed_ratio(limits[loop], omega) for loop in range(2)]
+        curves = [*found.ratio, *uses]
+        new = [refinement(omega, curve) for curve in curves]
+        if any(int(np.argmax(curve)) == 0 for curve in curves):
+            new.append(omega[0] / np.array([10.0, 3.0]))  # the worst may lie lower still
+        before = np.array([curve.max() for curve in curves])
+        added = np.unique(np.concatenate(new))
+        omega = np.concatenate([omega, added])
+        order = np.argsort(omega)
+        omega = omega[order]
+        found = _merged(found, sides(added, plants, nominal, share_a, gains, path), order)
+        after = np.array(
+            [*found.ratio.max(axis=1)]
+            + [(found.ratio[i] / allowed_ratio(limits[i], omega)).max() for i in range(2)]
+        )
+        still = np.abs(after - before) <= CONVERGED / 10 * after
+        settled = still[:2] & still[2:]
+        if settled.all():
+            break
+    return omega, found, (bool(settled[0]), bool(settled[1]))
+
+
+def _merged(old: Sides, new: Sides, order: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Sides:
+    """Return two evaluations of one family as one, frequencies in the given order."""
+    place = np.empty(len(order), np.int64)
+    place[order] = np.arange(len(order))
+    count = old.left.shape[1]
+    better = new.plant_ratio > old.plant_ratio
+    frequency = np.where(better, new.plant_frequency + count, old.plant_frequency)
+    return Sides(
+        left=np.concatenate([old.left, new.left], axis=1)[:, order],
+        plant=np.concatenate([old.plant, new.plant], axis=1)[:, order],
+        right=np.concatenate([old.right, new.right], axis=1)[:, order],
+        plant_ratio=np.maximum(old.plant_ratio, new.plant_ratio),
+        plant_frequency=place[frequency],
+    )
+
+
+def _family(
+    name: str,
+    omega: FloatArray,
+    plants: Plants,
+    share_a: float,
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> Family:
+    """Return stability and margins of the true family with one measurement path."""
+    velocity = count_unstable_poles(FamilyLoops(VELOCITY, plants, share_a, gains, path))
+    whole = count_unstable_poles(FamilyLoops(FORCE, plants, share_a, gains, path))
+    margins = family_margins(omega, plants, share_a, gains, path)
+    unstable = np.stack([~velocity.stable, ~whole.stable, ~whole.stable])
+    masked = Margins(*(frozen(np.where(unstable, np.nan, figure)) for figure in margins))
+    return Family(
+        path=name,
+        plants=plants,
+        velocity_stable=frozen(velocity.stable),
+        stable=frozen(whole.stable),
+        decided=frozen(velocity.decided & whole.decided),
+        margins=masked,
+    )
+
+
+def _premises(
+    nominal: NominalPlant, gains: LoopGains, path: MeasurementPath, true: Family
+) -> tuple[tuple[PoleCount, bool], tuple[PoleCount, bool]]:
+    """Return, for each condition, the nominal closed loop's poles and equality of open loops.
+
+    The velocity plants of Eq. 14 and 15 have no open-loop pole right of the origin at all. Those of
+    the position loop, Eq. 19, are the closed-loop poles of the velocity loops.
+    """
+    one = nominal_plants(nominal)
+    velocity = count_unstable_poles(FamilyLoops(VELOCITY, one, 0.5, gains, path))
+    position = count_unstable_poles(FamilyLoops(FORCE, one, 0.5, gains, path))
+    equal = bool(velocity.stable[0] and true.velocity_stable.all())
+    return (velocity, True), (position, equal)
+
+
+def _conditions(
+    omega: FloatArray,
+    found: Sides,
+    plants: Plants,
+    limits: tuple[float | RatioCurve, ...],
+    converged: tuple[bool, bool],
+    premises: tuple[tuple[PoleCount, bool], tuple[PoleCount, bool]],
+) -> tuple[Condition, Condition]:
+    conditions = []
+    for loop, name in enumerate(("velocity", "position")):
+        allowed = allowed_ratio(limits[loop], omega)
+        ratio = found.ratio[loop]
+        worst, use = int(np.argmax(ratio)), int(np.argmax(ratio / allowed))
+        nominal, equal = premises[loop]
+        worst_use = float(ratio[use] / allowed[use])
+        conditions.append(
+            Condition(
+                name=name,
+                left=frozen(found.left[loop]),
+                right=frozen(found.right[loop]),
+                plant=frozen(found.plant[loop]),
+                plant_ratio=frozen(found.plant_ratio[loop]),
+                allowed=frozen(allowed),
+                worst_ratio=float(ratio[worst]),
+                at=plant_point(plants, found.plant[loop, worst], omega[worst]),
+                worst_use=worst_use,
+                worst_use_at=plant_point(plants, found.plant[loop, use], omega[use]),
+                low_frequency_limit=worst == 0,
+                nominal_stable=bool(nominal.stable[0]),
+                poles_equal=equal,
+                status=_status(nominal, worst_use, converged=converged[loop], equal=equal),
+            )
+        )
+    return conditions[0], conditions[1]
+
+
+def _status(nominal: PoleCount, worst_use: float, *, converged: bool, equal: bool) -> Status:
+    if not nominal.decided[0]:
+        return Status.UNDECIDED
+    if not nominal.stable[0] or not equal:
+        return Status.UNSTABLE
+    if worst_use > 1:
+        return Status.VIOLATED
+    return Status.SATISFIED if converged else Status.NOT_CONVERGED

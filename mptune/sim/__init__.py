@@ -1,0 +1,1 @@
+"""The time domain: step responses and moves of the closed loop, and their indices."""

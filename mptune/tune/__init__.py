@@ -1,0 +1,1 @@
+"""Gains that perform best within the margins asked for."""

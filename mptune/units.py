@@ -1,0 +1,101 @@
+"""Quantities as people write them, and the SI floats that everything inside uses.
+
+MPa, ms and dm³ exist in study files and in print only. The registry is pint's; the number is
+split off first and read as a plain decimal, so that nothing in a file is ever evaluated.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from decimal import Decimal
+from functools import cache
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from pint import UnitRegistry
+
+_QUANTITY = re.compile(
+    r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?(?:nan|inf|NaN|Infinity))"
+    r"\s*(?P<unit>.*?)\s*"
+)
+_UNIT_TEXT = re.compile(r"[A-Za-z0-9µμ°%·*/^().\- ]{1,40}")
+_POWER_TOWER = re.compile(r"(\^|\*\*)\s*-?[\d.]+\s*(\^|\*\*)|\d{3,}")
+
+
+class UnitError(ValueError):
+    """A text that is no quantity of the wanted dimension; the message is a rule, then a remedy."""
+
+    def __init__(self, rule: str, remedy: str) -> None:
+        super().__init__(f"{rule}; {remedy}")
+        self.rule = rule
+        self.remedy = remedy
+
+
+@cache
+def registry() -> UnitRegistry[Any]:
+    """Return the one unit registry."""
+    import pint
+
+    return pint.UnitRegistry(cache_folder=None)
+
+
+def parse_quantity(text: str, unit: str) -> float:
+    """Return a quantity such as ``"1400 MPa"`` in the SI unit ``unit``.
+
+    Parameters
+    ----------
+    text
+        A decimal number and a unit.
+    unit
+        The SI unit wanted, e.g. ``"Pa"`` or ``"rad/s"``.
+
+    Raises
+    ------
+    UnitError
+        If the text is no quantity, has another dimension, or is not finite.
+    """
+    match = _QUANTITY.fullmatch(text)
+    if match is None:
+        raise UnitError(
+            "is not a number with a unit", f'write a number and a unit, like "1 {unit}"'
+        )
+    number = float(match["number"])
+    if not math.isfinite(number):
+        raise UnitError("is not a finite number", f"give a finite value in {unit}")
+    # Multiplied as decimals, so that "12.2 ms" is the float 0.0122 and not its neighbour.
+    return float(Decimal(match["number"]) * Decimal(repr(_factor(match["unit"], unit))))
+
+
+@cache
+def _factor(written: str, unit: str) -> float:
+    """Return the SI value of one ``written`` unit."""
+    import pint
+
+    if not written:
+        raise UnitError("has no unit", f'write the unit behind the number, like "1 {unit}"')
+    known = _UNIT_TEXT.fullmatch(written) and not _POWER_TOWER.search(written)
+    if not known:
+        raise UnitError(f"has an unreadable unit {written!r}", f"write a unit of {unit}")
+    try:
+        parsed = registry().Quantity(1.0, registry().parse_units(written))
+        factor = float(parsed.to(unit).magnitude)
+    except pint.UndefinedUnitError as error:
+        raise UnitError(f"has an unknown unit {written!r}", f"write a unit of {unit}") from error
+    except pint.DimensionalityError as error:
+        raise UnitError(
+            f"has the wrong dimension ({written})", f"this value is measured in {unit}"
+        ) from error
+    except Exception as error:  # pint's parser raises whatever its tokenizer met
+        raise UnitError(f"has an unreadable unit {written!r}", f"write a unit of {unit}") from error
+    _refuse_cycles_for_radians(written, unit)
+    return factor
+
+
+def _refuse_cycles_for_radians(written: str, unit: str) -> None:
+    """Refuse Hz where rad/s is meant: the radian has no dimension, so pint would pass it as 1."""
+    if unit == "rad/s" and not re.search(r"rad|deg|rpm|turn|rev|cycle", written):
+        raise UnitError(
+            f"is in {written}, which does not say whether radians or cycles are counted",
+            'write it in rad/s (1 Hz is 6.2832 rad/s), like "42 rad/s"',
+        )
