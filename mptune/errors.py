@@ -57,7 +57,3 @@ class InputError(MptuneError):
 
 class OutputError(MptuneError):
     """A result that could not be written: nothing was left half-written."""
-
-
-class AnalysisError(MptuneError):
-    """A computation that could not reach a trustworthy answer."""

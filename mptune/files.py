@@ -52,7 +52,7 @@ def make_folder(path: Path) -> Path:
 
     Raises
     ------
-    OutputError
+    InputError
         If the folder cannot be created, or nothing can be written into it.
     """
     try:
@@ -60,10 +60,9 @@ def make_folder(path: Path) -> Path:
         with tempfile.TemporaryFile(dir=path):
             pass
     except OSError as error:
-        raise OutputError(
-            f"{path}: results cannot be written there ({error.strerror}); "
-            "choose another folder with --out, or mend its permissions"
-        ) from error
+        rule = f"cannot hold results: {error.strerror or error}"
+        fault = Fault("", "", rule, "choose another folder with --out, or mend its permissions")
+        raise InputError(path, fault) from error
     return path
 
 

@@ -99,3 +99,47 @@ def _refuse_cycles_for_radians(written: str, unit: str) -> None:
             f"is in {written}, which does not say whether radians or cycles are counted",
             'write it in rad/s (1 Hz is 6.2832 rad/s), like "42 rad/s"',
         )
+
+
+DISPLAY = {
+    "m": (1e3, "mm"),
+    "m^2": (1e4, "cm²"),
+    "m^3": (1e3, "dm³"),
+    "Pa": (1e-6, "MPa"),
+    "s": (1e3, "ms"),
+    "N": (1e-3, "kN"),
+    "m/s": (1e3, "mm/s"),
+    "m^3/s": (6e4, "l/min"),
+    "N s/m": (1e-3, "kN s/m"),
+}
+"""Factor and name of the units in print; what is not here is printed in SI."""
+
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Return a number for print; a dash where there is none."""
+    if math.isnan(value):
+        return "—"
+    if math.isinf(value):
+        return "∞"
+    if value == 0 or 1e-3 <= abs(value) < 1e6:
+        whole = len(str(int(abs(value))))
+        return f"{value:.{max(digits, whole)}g}"
+    mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
+    mantissa = mantissa.rstrip("0").rstrip(".")
+    return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+
+
+def shown(value: float | str | tuple[float, ...], unit: str, *, ranged: bool = False) -> str:
+    """Return a quantity in SI in the unit that people read it in.
+
+    A tuple is a list, or with ``ranged`` a smallest and a largest value; a text stays as it is.
+    """
+    if isinstance(value, str):
+        return value
+    factor, name = DISPLAY.get(unit, (1.0, "" if unit == "1" else unit))
+    name = re.sub(r"\^(-?\d)(?![.\d])", lambda power: power[1].translate(_SUPERSCRIPTS), name)
+    values = value if isinstance(value, tuple) else (value,)
+    text = ("–" if ranged else ", ").join(number(factor * one) for one in values)
+    return f"{text} {name}".rstrip()

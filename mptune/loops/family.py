@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numba
 import numpy as np
 
-from mptune.arrays import ComplexArray, FloatArray, IntArray, kernel, parallel_kernel
+from mptune.arrays import ComplexArray, FloatArray, IntArray, Real, kernel, parallel_kernel
 from mptune.loops.broken import FORCE, VELOCITY, loop_gain
 from mptune.loops.force_dynamics import force_dynamics, pressure_time_constant
 from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
@@ -16,35 +16,43 @@ from mptune.plant.bulk import effective_bulk_modulus
 from mptune.signals.conditioning import filter_response
 
 if TYPE_CHECKING:
+    from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
     from mptune.params.uncertainty import UncertaintySet
 
 
-def derived_time_constants(study: ResolvedStudy) -> tuple[tuple[float, float], tuple[float, float]]:
+def time_constants_at(
+    study: ResolvedStudy, oil_bulk_modulus: Real, position: Real
+) -> tuple[Real, Real]:
+    """Return τ_A and τ_B [s] at one bulk modulus of the oil [Pa] and piston position [m].
+
+    Arrays are broadcast.
+    """
+    machine = study.study
+    cylinder, hose = machine.cylinder, machine.hose
+    believed, period = machine.oil.bulk_modulus_estimate, machine.controller.sampling_period
+    found = []
+    for hose_volume, dead, swept in (
+        (hose.volume_a, cylinder.dead_volume_a, cylinder.area_a * position),
+        (hose.volume_b, cylinder.dead_volume_b, cylinder.area_b * (cylinder.stroke - position)),
+    ):
+        volume = swept + dead + hose_volume
+        actual = effective_bulk_modulus(oil_bulk_modulus, hose.bulk_modulus, hose_volume, volume)
+        estimate = effective_bulk_modulus(believed, hose.bulk_modulus, hose_volume, volume)
+        found.append(pressure_time_constant(actual, estimate, period))
+    return found[0], found[1]
+
+
+def derived_time_constants(study: ResolvedStudy) -> tuple[Range, Range]:
     """Return the ranges of τ_A and τ_B [s] that Eq. 4 and Eq. 12 give for the study's machine.
 
     The piston may stand anywhere in its stroke and the oil's bulk modulus anywhere in its range.
-    Both maxima are at the largest chamber volume and the least bulk modulus.
+    Both time constants are monotone in either, so that the corners of the box hold the extremes.
     """
-    machine = study.study
-    cylinder, hose, oil = machine.cylinder, machine.hose, machine.oil
-    dead_a = cylinder.dead_volume_a + hose.volume_a
-    dead_b = cylinder.dead_volume_b + hose.volume_b
-    swept_a, swept_b = cylinder.area_a * cylinder.stroke, cylinder.area_b * cylinder.stroke
-    ranges = []
-    for hose_volume, dead, swept in (
-        (hose.volume_a, dead_a, swept_a),
-        (hose.volume_b, dead_b, swept_b),
-    ):
-        volume = dead + swept * np.linspace(0, 1, 21)[:, None]
-        moduli = np.linspace(*oil.bulk_modulus, 21)
-        actual = effective_bulk_modulus(moduli, hose.bulk_modulus, hose_volume, volume)
-        estimate = effective_bulk_modulus(
-            oil.bulk_modulus_estimate, hose.bulk_modulus, hose_volume, volume
-        )
-        tau = pressure_time_constant(actual, estimate, machine.controller.sampling_period)
-        ranges.append((float(tau.min()), float(tau.max())))
-    return ranges[0], ranges[1]
+    moduli = np.array(study.study.oil.bulk_modulus)[:, None]
+    positions = np.array([0.0, study.study.cylinder.stroke])
+    tau_a, tau_b = time_constants_at(study, moduli, positions)
+    return (float(tau_a.min()), float(tau_a.max())), (float(tau_b.min()), float(tau_b.max()))
 
 
 def plants_of(study: ResolvedStudy) -> Plants:

@@ -74,6 +74,11 @@ class Section(BaseModel):
         return converted
 
     @classmethod
+    def is_range(cls, name: str) -> bool:
+        """Return whether a field is a smallest and a largest value."""
+        return _is_range(cls.model_fields[name])
+
+    @classmethod
     def quantities(cls) -> Iterator[tuple[str, str, str, str]]:
         """Yield name, unit, symbol and meaning of each declared quantity."""
         for name, field in cls.model_fields.items():

@@ -227,16 +227,25 @@ class SweepResult:
         return values
 
 
-WORST_FIGURES = (
-    ("sensitivity_peak", "sensitivity_peak"),
-    ("complementary_peak", "complementary_peak"),
-    ("gain_margin", "gain_margin"),
-    ("gain_reduction", "gain_reduction"),
-    ("phase_margin", "phase_margin_rad"),
-    ("delay_margin", "delay_margin_s"),
-    ("disk_margin", "disk_margin"),
+@dataclass(frozen=True)
+class MarginFigure:
+    """A margin that is reported: its field, its key in JSON, its label and factor in print."""
+
+    name: str
+    key: str
+    label: str
+    factor: float
+
+
+MARGINS = (
+    MarginFigure("sensitivity_peak", "sensitivity_peak", "M_S", 1.0),
+    MarginFigure("complementary_peak", "complementary_peak", "M_T", 1.0),
+    MarginFigure("gain_margin", "gain_margin", "gain margin", 1.0),
+    MarginFigure("gain_reduction", "gain_reduction", "gain reduction", 1.0),
+    MarginFigure("phase_margin", "phase_margin_rad", "phase margin [°]", 180 / np.pi),
+    MarginFigure("delay_margin", "delay_margin_s", "delay margin [ms]", 1e3),
+    MarginFigure("disk_margin", "disk_margin", "disk margin α", 1.0),
 )
-"""Margins that are reported, and their keys in JSON."""
 
 
 def _family_json(family: Family) -> dict[str, Any]:
@@ -249,7 +258,7 @@ def _family_json(family: Family) -> dict[str, Any]:
     }
     for loop, name in enumerate(("velocity_loop", "position_loop", "force_loop")):
         values[name] = {}
-        for figure, key in WORST_FIGURES:
-            value, at = family.worst(figure, loop)
-            values[name][key] = {"worst": value, "at": at.values() if at else None}
+        for figure in MARGINS:
+            value, at = family.worst(figure.name, loop)
+            values[name][figure.key] = {"worst": value, "at": at.values() if at else None}
     return values

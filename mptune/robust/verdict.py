@@ -8,12 +8,11 @@ import numpy as np
 
 from mptune.loops.broken import FORCE
 from mptune.robust.result import Check, Condition, Family, Status
+from mptune.robust.tables import EQUATIONS
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.params.requirements import RatioCurve, Requirements
-
-_EQUATIONS = {"velocity": "Eq. 17", "position": "Eq. 21"}
 
 
 def allowed_ratio(limit: float | RatioCurve, omega: FloatArray) -> FloatArray:
@@ -70,7 +69,7 @@ def _ratio_check(condition: Condition, limit: float | RatioCurve) -> Check:
         text, found, at = f"≤ {limit:g}", condition.worst_ratio, condition.at
     else:
         text, found, at = "≤ 1 of the curve", condition.worst_use, condition.worst_use_at
-    name = f"{condition.name}_ratio ({_EQUATIONS[condition.name]})"
+    name = f"{condition.name}_ratio ({EQUATIONS[condition.name]})"
     return Check(name, text, found, condition.status, at)
 
 

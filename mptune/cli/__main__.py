@@ -1,0 +1,5 @@
+"""``python -m mptune.cli``: the command line."""
+
+from mptune.cli.main import main
+
+main()

@@ -1,0 +1,196 @@
+"""The commands, and how their ends become exit statuses.
+
+0: done, every requirement met. 1: done, some requirement not met. 2: bad input or usage. 3: could
+not finish. 130: interrupted.
+
+Only typer is imported here, so that ``--help`` answers at once.
+"""
+
+from __future__ import annotations
+
+import sys
+from pathlib import Path
+from typing import Annotated
+
+import click
+import typer
+
+NOT_MET, BAD_INPUT, UNFINISHED, INTERRUPTED = 1, 2, 3, 130
+
+app = typer.Typer(
+    no_args_is_help=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+    rich_markup_mode=None,
+    pretty_exceptions_enable=False,
+    help="Robust tuning of hydraulic cylinders driven from several supply pressures.",
+)
+
+StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY", help="The study's TOML file.")]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the study; repeatable."),
+]
+UncertaintyOption = Annotated[
+    str, typer.Option(metavar="NAME", help="Uncertainty set; the default one where not given.")
+]
+OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder for results.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
+
+_OUT = Path("reports")
+
+
+@app.callback(invoke_without_command=True)
+def _version(
+    version: Annotated[bool, typer.Option("--version", help="Print the version.")] = False,
+) -> None:
+    if version:
+        from mptune.params.gains import version as number
+
+        typer.echo(number())
+        raise typer.Exit
+
+
+@app.command()
+def run(
+    study: StudyArgument,
+    override: SetOption = None,
+    uncertainty: UncertaintyOption = "",
+    out: OutOption = _OUT,
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Do the whole job, from the study file to gains and report."""
+    from mptune.cli import show
+    from mptune.job import run as run_job
+    from mptune.params.load import load_study
+
+    loaded = load_study(study, override or (), uncertainty)
+    with show.progress(quiet=quiet) as report:
+        result = run_job(loaded, out, report)
+    if json:
+        show.as_json(result.json())
+    else:
+        show.job(result)
+    _finish(met=result.satisfied)
+
+
+@app.command()
+def sweep(
+    study: StudyArgument,
+    gains: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A gains file; else the study's own.")
+    ] = None,
+    override: SetOption = None,
+    uncertainty: UncertaintyOption = "",
+    out: OutOption = _OUT,
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Draw and store both sides of both inequalities over the grid."""
+    from mptune.cli import show
+    from mptune.job import sweep_study
+    from mptune.params.gains import read_gains
+    from mptune.params.load import load_study
+
+    loaded = load_study(study, override or (), uncertainty)
+    chosen = read_gains(gains, loaded.hash()).gains if gains else None
+    with show.progress(quiet=quiet) as report:
+        result, files = sweep_study(loaded, chosen, out, report)
+    if json:
+        show.as_json(result.json())
+    else:
+        show.sweep(result)
+        show.files(files)
+    _finish(met=result.satisfied)
+
+
+@app.command()
+def tune(
+    study: StudyArgument,
+    override: SetOption = None,
+    uncertainty: UncertaintyOption = "",
+    out: OutOption = _OUT,
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Find gains that satisfy the requirements."""
+    from mptune.cli import show
+    from mptune.job import tune_study
+    from mptune.params.load import load_study
+
+    loaded = load_study(study, override or (), uncertainty)
+    with show.progress(quiet=quiet) as report:
+        result, files = tune_study(loaded, out, report)
+    if json:
+        show.as_json(result.json())
+    else:
+        show.tuned(result)
+        show.files(files)
+    _finish(met=result.sweep.satisfied)
+
+
+@app.command()
+def new(
+    name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the study's folder.")],
+    folder: Annotated[Path, typer.Option("--in", metavar="DIR", help="Where studies live.")] = Path(
+        "studies"
+    ),
+) -> None:
+    """Write a study to start from."""
+    from mptune.cli import show
+    from mptune.params.template import write_template
+
+    show.files((write_template(folder, name),))
+
+
+@app.command()
+def ledger() -> None:
+    """Print where mptune differs from the paper, and why."""
+    from mptune.cli import show
+
+    show.ledger()
+
+
+def _finish(*, met: bool) -> None:
+    raise typer.Exit(0 if met else NOT_MET)
+
+
+def main() -> None:
+    """Run the command line and leave with its exit status."""
+    sys.exit(status(sys.argv[1:]))
+
+
+def status(arguments: list[str]) -> int:
+    """Return the exit status of a command line, having said on stderr what went wrong."""
+    try:
+        code = app(args=arguments, prog_name="mptune", standalone_mode=False)
+    except click.exceptions.Exit as done:
+        return done.exit_code
+    except click.ClickException as error:
+        error.show()
+        return BAD_INPUT
+    except (click.Abort, KeyboardInterrupt):
+        return _say("interrupted; nothing was left half-written", INTERRUPTED)
+    except Exception as error:  # noqa: BLE001 - the last line of defence, with its own status
+        return _failed(error)
+    return code if isinstance(code, int) else 0
+
+
+def _failed(error: Exception) -> int:
+    from mptune.errors import InputError, MptuneError
+
+    if isinstance(error, InputError):
+        return _say(str(error), BAD_INPUT)
+    if isinstance(error, MptuneError):
+        return _say(str(error), UNFINISHED)
+    import traceback
+
+    where = traceback.extract_tb(error.__traceback__)[-1]
+    text = f"unforeseen error: {type(error).__name__}: {error} ({where.name}, line {where.lineno})"
+    return _say(f"{text}; this is a defect of mptune, please report it", UNFINISHED)
+
+
+def _say(text: str, code: int) -> int:
+    sys.stderr.write(f"mptune: {text}\n")
+    return code

@@ -1,0 +1,204 @@
+"""What the commands print: tables for people on stdout, progress on stderr, or JSON."""
+
+from __future__ import annotations
+
+import json
+import math
+import sys
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from rich import box
+from rich.console import Console
+from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.table import Table
+from rich.text import Text
+
+from mptune.params.paper import LEDGER
+from mptune.robust.result import Status
+from mptune.robust.tables import EQUATIONS, margin_rows, place_text
+from mptune.units import number, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterable, Iterator
+    from pathlib import Path
+
+    from mptune.job import JobResult
+    from mptune.params.controller import Gains
+    from mptune.robust.result import SweepResult
+    from mptune.tune.tuner import TuneResult
+
+_PIPE_WIDTH = 120  # columns, where the output is no terminal
+console = Console(
+    width=None if sys.stdout.isatty() else _PIPE_WIDTH, markup=False, emoji=False, highlight=False
+)
+
+
+def as_json(values: dict[str, Any]) -> None:
+    """Print one JSON object; what JSON cannot say (NaN, infinity) becomes null."""
+    console.file.write(json.dumps(_sayable(values), allow_nan=False) + "\n")
+
+
+def _sayable(value: Any) -> Any:
+    if isinstance(value, dict):
+        return {key: _sayable(item) for key, item in value.items()}
+    if isinstance(value, list | tuple):
+        return [_sayable(item) for item in value]
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value
+
+
+@contextmanager
+def progress(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
+    """Yield a function that takes a stage's name and the share of it that is done."""
+    errors = Console(stderr=True)
+    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
+    with Progress(*columns, console=errors, transient=True, disable=quiet) as bars:
+        tasks: dict[str, Any] = {}
+
+        def report(stage: str, share: float) -> None:
+            for known, task in tasks.items():
+                if known != stage:
+                    bars.update(task, total=1.0, completed=1.0)
+            if stage not in tasks:
+                tasks[stage] = bars.add_task(stage, total=None)
+            if share > 0:
+                bars.update(tasks[stage], total=1.0, completed=share)
+
+        yield report
+
+
+def _table(title: str) -> Table:
+    return Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+
+
+def _verdict(text: str, *, good: bool) -> Text:
+    return Text(text, style="green" if good else "bold red")
+
+
+def sweep(result: SweepResult) -> None:
+    """Print both conditions, the family's margins and the requirements."""
+    table = _table("Robust stability over the family")
+    for heading in ("condition", "left/right", "margin", "worst at", "premises", "verdict"):
+        table.add_column(heading)
+    for condition in result.conditions:
+        place = "limit of vanishing frequency" if condition.low_frequency_limit else None
+        premises = condition.nominal_stable and condition.poles_equal
+        table.add_row(
+            f"{EQUATIONS[condition.name]} ({condition.name})",
+            f"{condition.worst_ratio:.4f}",
+            f"{condition.margin:.3f}",
+            place or place_text(condition.at),
+            _verdict("hold" if premises else "FAIL", good=premises),
+            _verdict(condition.status.value, good=condition.satisfied),
+        )
+    console.print(table)
+    _margins(result)
+    _requirements(result)
+
+
+def _margins(result: SweepResult) -> None:
+    table = _table("Worst margins of the true family")
+    table.add_column("margin")
+    for loop in ("velocity", "position", "at F_ref"):
+        for path in ("no path", "with path"):
+            table.add_column(f"{loop}\n{path}", justify="right")
+    for label, cells in margin_rows(result):
+        table.add_row(label, *cells)
+    table.add_row(
+        "unstable plants",
+        *(
+            _verdict(str(count), good=count == 0)
+            for loop in range(3)
+            for family in result.families
+            for count in [int((~(family.stable if loop else family.velocity_stable)).sum())]
+        ),
+    )
+    console.print(table)
+
+
+def _requirements(result: SweepResult) -> None:
+    table = _table("Requirements")
+    for heading in ("requirement", "limit", "found", "verdict", "where"):
+        table.add_column(heading)
+    for check in result.checks:
+        good = check.status is Status.SATISFIED
+        table.add_row(
+            check.name,
+            check.limit,
+            number(check.found),
+            _verdict(check.status.value, good=good),
+            place_text(check.at),
+        )
+    console.print(table)
+
+
+def _gains(gains: Gains, before: Gains) -> None:
+    table = _table("Gains")
+    for heading in ("key", "symbol", "value", "study's own"):
+        table.add_column(heading, justify="right" if heading[0] in "vs" else "left")
+    for key, unit, symbol, _ in gains.quantities():
+        values = (shown(getattr(one, key), unit) for one in (gains, before))
+        table.add_row(key, symbol, *values)
+    console.print(table)
+
+
+def tuned(result: TuneResult) -> None:
+    """Print tuned gains, what they gain, and what limits them."""
+    _gains(result.gains, result.before)
+    before, after = result.figures_before, result.figures
+    good = result.blocking is None
+    console.print("Status:", _verdict(result.status.value, good=good))
+    console.print(
+        f"Tracking index {1e3 * before.tracking:.2f} → {1e3 * after.tracking:.2f} ms, "
+        f"K_I,pos {before.integral_gain:.3g} → {after.integral_gain:.3g} 1/s², "
+        f"bandwidth {before.bandwidth:.3g} → {after.bandwidth:.3g} rad/s (continuous, linear)"
+    )
+    if result.blocking is not None:
+        blocking = result.blocking
+        console.print(
+            f"Blocked by {blocking.requirement} at {place_text(blocking.at)}: {blocking.remedy}."
+        )
+    sweep(result.sweep)
+
+
+def job(result: JobResult) -> None:
+    """Print a summary of the whole job."""
+    tuned(result.tuned)
+    table = _table("Closed-loop check: sampled linear loop")
+    for heading in ("mass", "valve delay", "index, study's own gains", "index, tuned"):
+        table.add_column(heading, justify="right")
+    for case, before in zip(result.moves, result.moves_before, strict=True):
+        table.add_row(
+            f"{case.mass_kg / 1e3:g} t",
+            f"{1e3 * case.valve_delay_s:g} ms",
+            *(
+                f"{one.performance_index_ms:.1f} ms"
+                if one.stable
+                else _verdict("unstable", good=False)
+                for one in (before, case)
+            ),
+        )
+    console.print(table)
+    files(result.files)
+    met = result.satisfied
+    console.print(
+        _verdict("Every requirement is met." if met else "Some requirement is not met.", good=met)
+    )
+
+
+def files(paths: Iterable[Path]) -> None:
+    """Print what was written."""
+    for path in paths:
+        console.print(Text(f"wrote {path}"), soft_wrap=True)
+
+
+def ledger() -> None:
+    """Print the ledger of disagreements with the paper."""
+    table = Table(title="Where mptune differs from the paper", show_lines=True)
+    for heading in ("where", "the paper reads", "used here", "why"):
+        table.add_column(heading, ratio=2 if heading == "why" else 1)
+    for entry in LEDGER:
+        table.add_row(*(Text(text) for text in (entry.where, entry.reads, entry.used, entry.why)))
+    console.print(table)

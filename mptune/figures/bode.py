@@ -1,0 +1,82 @@
+"""Bode plots of both loops over the family, without and with the measurement path."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.figures.style import LIMIT, NOMINAL, WORST, band, legend_below, new_figure, style
+from mptune.loops.broken import POSITION, VELOCITY
+from mptune.loops.family import nominal_plants
+from mptune.params.pack import Plants, pack_filters, pack_gains, pack_nominal, pack_path
+from mptune.robust.curves import loop_curves
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from mptune.arrays import ComplexArray, FloatArray
+    from mptune.robust.result import SweepResult
+
+_POINTS = 300
+_PHASE_FLOOR = -540.0  # degrees; below it the gain is far too small to matter
+
+
+def bode_plots(result: SweepResult) -> Figure:
+    """Draw magnitude and phase of the velocity loop (left) and the position loop (right)."""
+    with style():
+        figure = new_figure(5.4)
+        axes = figure.subplots(2, 2, sharex=True)
+        for column, which in enumerate((VELOCITY, POSITION)):
+            _draw(axes[0, column], axes[1, column], result, which)
+        legend_below(figure, *axes.ravel())
+    return figure
+
+
+def _draw(magnitude: Axes, phase: Axes, result: SweepResult, which: int) -> None:
+    study, gains = result.study, pack_gains(result.gains)
+    condition = result.conditions[which]
+    share_a, path = study.study.cylinder.share_a, pack_path(study)
+    low = max(float(result.omega[0]), 0.2 * (gains.k_p_pos if which == POSITION else 5.0))
+    omega = np.geomspace(low, min(float(result.omega[-1]), 500.0), _POINTS)
+    family = loop_curves(which, omega, result.plants, share_a, gains, path)
+    nominal = loop_curves(which, omega, nominal_plants(pack_nominal(study)), 0.5, gains, path)
+    at = condition.at
+    worst_plant = Plants(
+        *(np.array([value]) for value in (at.mass_kg, at.delay_s, at.tau_a_s, at.tau_b_s))
+    )
+    worst = loop_curves(which, omega, worst_plant, share_a, gains, path)
+    filters = pack_filters(study.study.controller)
+    measured = loop_curves(which, omega, worst_plant, share_a, gains, filters)
+    band(magnitude, omega, _decibel(family), "family")
+    band(phase, omega, _degrees(family), "family")
+    lines = [(nominal, "nominal plant", NOMINAL), (worst, "worst plant", WORST)]
+    if path.sample_time == 0:
+        dotted = {**WORST, "linestyle": ":"}
+        lines.append((measured, "worst plant, with measurement path", dotted))
+    for loop, label, look in lines:
+        magnitude.plot(omega, _decibel(loop)[0], label=label, **look)
+        phase.plot(omega, _degrees(loop)[0], label=label, **look)
+    _finish(magnitude, phase, omega, condition.name)
+
+
+def _finish(magnitude: Axes, phase: Axes, omega: FloatArray, name: str) -> None:
+    magnitude.axhline(0, **{**LIMIT, "linewidth": 0.8})
+    phase.axhline(-180, **{**LIMIT, "linewidth": 0.8})
+    magnitude.set(xscale="log", ylabel="Magnitude [dB]", ylim=(-40, 40))
+    magnitude.set_title(f"{name.capitalize()} loop", loc="left")
+    phase.set(xlabel="Frequency [rad/s]", ylabel="Phase [°]", ylim=(_PHASE_FLOOR, -45))
+    phase.set_yticks(np.arange(-540, -44, 90))
+    phase.set_xlim(omega[0], omega[-1])
+
+
+def _decibel(loop: ComplexArray) -> FloatArray:
+    return np.asarray(20 * np.log10(np.abs(loop)))
+
+
+def _degrees(loop: ComplexArray) -> FloatArray:
+    """Return the phase, unwrapped along frequency and starting within (−360°, 0]."""
+    phase = np.unwrap(np.angle(loop), axis=-1)
+    phase = phase - 2 * np.pi * np.ceil(phase[:, :1] / (2 * np.pi))
+    return np.asarray(np.degrees(phase))

@@ -1,0 +1,128 @@
+"""Fig. 5's four panels: both sides of Eq. 17 and Eq. 21, and both loops' step responses."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.figures.style import (
+    BAND,
+    EDGE,
+    LIMIT,
+    NOMINAL,
+    REFERENCE,
+    WORST,
+    band,
+    legend_below,
+    new_figure,
+    style,
+)
+from mptune.loops.family import nominal_plants
+from mptune.params.pack import LoopGains, Plants, pack_gains, pack_nominal, pack_path
+from mptune.robust.condition import nominal_loops
+from mptune.robust.curves import error_curves
+from mptune.robust.tables import EQUATIONS
+from mptune.sim.response import position_step, velocity_step
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from mptune.arrays import FloatArray
+    from mptune.robust.result import Condition, SweepResult
+
+_POINTS = 300
+
+
+def four_panels(result: SweepResult) -> Figure:
+    """Draw Fig. 5 for one sweep: inequalities on the left, step responses on the right."""
+    with style():
+        figure = new_figure(6.2)
+        axes = figure.subplots(2, 2)
+        left = _left_curves(result)
+        for row, condition in enumerate(result.conditions):
+            _draw_sides(axes[row, 0], condition, result.omega, *left, row)
+            _draw_steps(axes[row, 1], result, condition)
+        legend_below(figure, *axes.ravel())
+    return figure
+
+
+def _left_curves(result: SweepResult) -> tuple[FloatArray, FloatArray]:
+    """Return frequencies and |Δ| of the whole family, ``(2, N, F)``."""
+    study = result.study
+    omega = np.geomspace(result.omega[0], result.omega[-1], _POINTS)
+    nominal, gains = pack_nominal(study), pack_gains(result.gains)
+    loop = nominal_loops(omega, nominal, gains, pack_path(study))[0]
+    share_a = study.study.cylinder.share_a
+    return omega, error_curves(omega, result.plants, nominal, share_a, loop)
+
+
+def _draw_sides(
+    axes: Axes,
+    condition: Condition,
+    grid: FloatArray,
+    omega: FloatArray,
+    curves: FloatArray,
+    row: int,
+) -> None:
+    axes.fill_between(omega, 1e-4, curves[row].max(axis=0), label="family", **BAND)
+    axes.plot(grid, condition.left, **EDGE)
+    worst = int(condition.plant[np.argmax(condition.ratio)])
+    axes.plot(omega, curves[row, worst], label="worst plant", **WORST)
+    axes.plot(grid, condition.right, label="right-hand side", **LIMIT)
+    axes.axvline(condition.at.frequency_rad_s, color="#d55e00", linewidth=0.6)
+    axes.set(xscale="log", yscale="log", xlabel="Frequency [rad/s]", ylabel="Magnitude [–]")
+    axes.set_title(
+        f"{EQUATIONS[condition.name]}: worst ratio {condition.worst_ratio:.3f} "
+        f"at {condition.at.frequency_rad_s:.3g} rad/s",
+        loc="left",
+    )
+    top = 3 * max(float(curves[row].max()), 1.0)
+    axes.set_ylim(max(float(condition.left[0]) / 5, 0.02), max(top, 20))
+    axes.set_xlim(max(grid[0], condition.at.frequency_rad_s / 300), grid[-1])
+
+
+def _draw_steps(axes: Axes, result: SweepResult, condition: Condition) -> None:
+    study, gains = result.study, pack_gains(result.gains)
+    horizon = step_horizon(gains, result.plants)
+    time = np.linspace(0, horizon[0 if condition.name == "velocity" else 1], 401)
+    curves = _steps(result, result.plants, gains, condition.name, time)
+    nominal = _steps(result, nominal_plants(pack_nominal(study)), gains, condition.name, time)
+    worst = int(np.argmax(np.abs(curves).max(axis=1)))
+    band(axes, time, curves, "family")
+    axes.plot(time, curves[worst], label="worst plant", **WORST)
+    axes.plot(time, nominal[0], label="nominal plant", **NOMINAL)
+    axes.axhline(1, label="reference", **REFERENCE)
+    top = min(float(curves.max()), 3.0)
+    axes.set(
+        xlabel="Time [s]",
+        ylabel=f"{condition.name.capitalize()} over its reference [–]",
+        xlim=(0, time[-1]),
+        ylim=(min(-0.05, 1.05 * max(float(curves.min()), -1.0)), 1.08 * max(top, 1.0)),
+    )
+    overshoot = 100 * (float(curves.max()) - 1)
+    axes.set_title(
+        f"{condition.name.capitalize()} step: overshoot up to {overshoot:.0f} %", loc="left"
+    )
+
+
+def _steps(
+    result: SweepResult, plants: Plants, gains: LoopGains, name: str, time: FloatArray
+) -> FloatArray:
+    share_a, path = result.study.study.cylinder.share_a, pack_path(result.study)
+    if name == "velocity":
+        return velocity_step(plants, share_a, gains.k_p_vel, path, time)
+    return position_step(plants, share_a, gains, path, time)
+
+
+def step_horizon(gains: LoopGains, plants: Plants) -> tuple[float, float]:
+    """Return how long to draw the velocity and the position step [s]."""
+    velocity = 8 * float(plants.mass.max()) / gains.k_p_vel + 10 * float(plants.delay.max())
+    position = velocity + 7 / max(gains.k_p_pos, 1e-3)
+    return _rounded(velocity), _rounded(position)
+
+
+def _rounded(value: float) -> float:
+    scale = 10.0 ** np.floor(np.log10(value))
+    return float(np.ceil(value / scale * 5) / 5 * scale)

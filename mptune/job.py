@@ -1,0 +1,209 @@
+"""One study, from file to report: who runs what, and what is written where.
+
+::
+
+    <out>/<study>.pdf           the report
+    <out>/<study>/sweep.nc      both inequalities and margins, of the final gains
+    <out>/<study>/gains.toml    the controller's gains, with verdicts
+    <out>/<study>/*.svg         the figures
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from mptune.files import make_folder, write_whole
+from mptune.params.gains import GainsFile, Verdict, now, version, write_gains
+from mptune.robust.store import write_sweep
+from mptune.robust.sweep import sweep
+from mptune.sim.sampled import linear_moves
+from mptune.tune.tuner import tune
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from mptune.params.controller import Gains
+    from mptune.params.study import ResolvedStudy
+    from mptune.robust.result import SweepResult
+    from mptune.sim.sampled import LinearMove
+    from mptune.tune.tuner import TuneResult
+
+STAGES = ("sweep", "tune", "closed loop", "figures", "report")
+
+
+@dataclass(frozen=True)
+class JobResult:
+    """What a whole run found and wrote.
+
+    Attributes
+    ----------
+    published
+        The sweep of the study's own gains.
+    tuned
+        The tuner's result, with its own sweep.
+    moves, moves_before
+        The closed-loop check with tuned and with the study's own gains.
+    files
+        What was written.
+    """
+
+    study: ResolvedStudy
+    published: SweepResult
+    tuned: TuneResult
+    moves: tuple[LinearMove, ...]
+    moves_before: tuple[LinearMove, ...]
+    files: tuple[Path, ...]
+
+    @property
+    def satisfied(self) -> bool:
+        """Whether every requirement is met and every closed-loop case is stable."""
+        return self.tuned.sweep.satisfied and all(case.stable for case in self.moves)
+
+    def json(self) -> dict[str, Any]:
+        """Return the result in SI, units in the keys."""
+        return {
+            "sweep": self.published.json(),
+            "tune": {**self.tuned.json(), "sweep": self.tuned.sweep.json()},
+            "closed_loop": [moves_json(case) for case in self.moves],
+            "satisfied": self.satisfied,
+            "files": [str(path) for path in self.files],
+        }
+
+
+def moves_json(case: LinearMove) -> dict[str, Any]:
+    """Return one case of the closed-loop check; the index keeps §7's unit."""
+    return {
+        "mass_kg": case.mass_kg,
+        "valve_delay_s": case.valve_delay_s,
+        "oil_bulk_modulus_pa": case.oil_bulk_modulus_pa,
+        "stable": case.stable,
+        "performance_index_ms": case.performance_index_ms,
+    }
+
+
+def run(
+    study: ResolvedStudy, out: Path, progress: Callable[[str, float], None] = lambda *_: None
+) -> JobResult:
+    """Run the whole job: sweep, tune, check the closed loop, export, report.
+
+    Parameters
+    ----------
+    study
+        The study.
+    out
+        Folder for the results; created where missing.
+    progress
+        Called with a stage of ``STAGES`` and the share of it that is done.
+
+    Raises
+    ------
+    OutputError
+        If results cannot be written.
+    """
+    folder = make_folder(out / study.name)
+    progress("sweep", 0.0)
+    published = sweep(study)
+    progress("tune", 0.0)
+    tuned = tune(study, lambda share: progress("tune", share))
+    progress("closed loop", 0.0)
+    moves_before, moves = linear_moves(study), linear_moves(study, tuned.gains)
+    progress("figures", 0.0)
+    figures = draw(tuned.sweep, moves)
+    files = [
+        write_sweep(folder / "sweep.nc", tuned.sweep),
+        write_gains(folder / "gains.toml", gains_file(tuned.sweep, moves)),
+    ]
+    files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
+    result = JobResult(study, published, tuned, moves, moves_before, ())
+    progress("report", 0.0)
+    files.append(_report(out / f"{study.name}.pdf", result, figures))
+    progress("report", 1.0)
+    return JobResult(study, published, tuned, moves, moves_before, tuple(files))
+
+
+def sweep_study(
+    study: ResolvedStudy,
+    gains: Gains | None,
+    out: Path,
+    progress: Callable[[str, float], None] = lambda *_: None,
+) -> tuple[SweepResult, tuple[Path, ...]]:
+    """Sweep one set of gains (the study's own where None), store it and draw its panels."""
+    from mptune.figures.panels import four_panels
+    from mptune.figures.style import to_svg
+
+    folder = make_folder(out / study.name)
+    progress("sweep", 0.0)
+    swept = sweep(study, gains)
+    progress("figures", 0.0)
+    panels = to_svg(four_panels(swept))
+    return swept, (
+        write_sweep(folder / "sweep.nc", swept),
+        write_whole(folder / "panels.svg", panels),
+    )
+
+
+def tune_study(
+    study: ResolvedStudy, out: Path, progress: Callable[[str, float], None] = lambda *_: None
+) -> tuple[TuneResult, tuple[Path, ...]]:
+    """Tune a study, check the gains on the sampled linear loop, and write ``gains.toml``."""
+    folder = make_folder(out / study.name)
+    progress("tune", 0.0)
+    tuned = tune(study, lambda share: progress("tune", share))
+    moves = linear_moves(study, tuned.gains)
+    return tuned, (write_gains(folder / "gains.toml", gains_file(tuned.sweep, moves)),)
+
+
+def draw(swept: SweepResult, moves: tuple[LinearMove, ...]) -> dict[str, bytes]:
+    """Return the figures of a run as SVG, by name."""
+    from mptune.figures.bode import bode_plots
+    from mptune.figures.moves import move_traces
+    from mptune.figures.panels import four_panels
+    from mptune.figures.style import to_svg
+
+    return {
+        "panels": to_svg(four_panels(swept)),
+        "bode": to_svg(bode_plots(swept)),
+        "moves": to_svg(move_traces(moves)),
+    }
+
+
+def gains_file(swept: SweepResult, moves: tuple[LinearMove, ...]) -> GainsFile:
+    """Return what ``gains.toml`` says of a set of gains and its verdicts."""
+    margins: Verdict = "satisfied" if swept.satisfied else "violated"
+    closed_loop: Verdict = "satisfied" if all(case.stable for case in moves) else "violated"
+    worst = {f"{condition.name}_ratio": condition.worst_ratio for condition in swept.conditions}
+    index = {
+        f"performance_index_ms_{case.mass_kg:.0f}_kg": case.performance_index_ms
+        for case in moves
+        if case.stable
+    }
+    return GainsFile(
+        study=swept.study.name,
+        study_hash=swept.study.hash(),
+        uncertainty=swept.study.uncertainty_name,
+        version=version(),
+        date=now(),
+        margins=margins,
+        closed_loop=closed_loop if moves else "not run",
+        gains=swept.gains,
+        feedforward=swept.study.study.feedforward,
+        figures={"margins": worst, "closed_loop": {"loop": "sampled, linear", **index}},
+    )
+
+
+def _report(path: Path, result: JobResult, figures: dict[str, bytes]) -> Path:
+    from mptune.report.content import Results
+    from mptune.report.pdf import write_report
+
+    results = Results(
+        study=result.study,
+        sweep=result.tuned.sweep,
+        published=result.published,
+        tuned=result.tuned,
+        moves=result.moves,
+        moves_before=result.moves_before,
+        satisfied=result.satisfied,
+    )
+    return write_report(path, results, figures)

@@ -1,0 +1,33 @@
+"""A study to start from."""
+
+from __future__ import annotations
+
+import re
+from importlib import resources
+from typing import TYPE_CHECKING
+
+from mptune.errors import Fault, InputError
+from mptune.files import make_folder, write_whole
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+
+def write_template(folder: Path, name: str) -> Path:
+    """Write ``<folder>/<name>/study.toml``, every key with its symbol and meaning.
+
+    Raises
+    ------
+    InputError
+        If the name is no folder name, or the study is there already.
+    """
+    if not re.fullmatch(r"[\w][\w.-]*", name):
+        fault = Fault("", repr(name), "is no plain folder name", "use letters, digits, - and _")
+        raise InputError("NAME", fault)
+    path = folder / name / "study.toml"
+    if path.exists():
+        fault = Fault("", "", "exists already", "choose another name, or edit that file")
+        raise InputError(path, fault)
+    make_folder(path.parent)
+    template = resources.files("mptune.params").joinpath("template.toml").read_text("utf-8")
+    return write_whole(path, template)

@@ -1,0 +1,193 @@
+"""What the report says, as plain data: texts and numbers, never markup."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from mptune.params.gains import now, version
+from mptune.params.paper import LEDGER, MEASURED_INDEX_RANGE
+from mptune.params.section import Section
+from mptune.robust.result import Check, Status
+from mptune.robust.tables import EQUATIONS, margin_rows, place_text
+from mptune.units import number, shown
+
+if TYPE_CHECKING:
+    from mptune.params.study import ResolvedStudy
+    from mptune.robust.result import SweepResult
+    from mptune.sim.sampled import LinearMove
+    from mptune.tune.tuner import TuneResult
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a run has produced; the report shows what is there."""
+
+    study: ResolvedStudy
+    sweep: SweepResult
+    published: SweepResult
+    tuned: TuneResult | None
+    moves: tuple[LinearMove, ...]
+    moves_before: tuple[LinearMove, ...]
+    satisfied: bool
+
+
+def content(results: Results) -> dict[str, Any]:
+    """Return everything that the template prints."""
+    study = results.study
+    return {
+        "title": study.title,
+        "study": study.name,
+        "uncertainty": study.uncertainty_name or "default",
+        "version": version(),
+        "hash": study.hash(),
+        "date": now(),
+        "satisfied": results.satisfied,
+        "path": study.study.model.measurement_path,
+        "status": _status(results),
+        "warnings": _warnings(results),
+        "gains": _gains(results),
+        "checks": [_check(check) for check in results.sweep.checks],
+        "conditions": _conditions(results),
+        "margins": [
+            {"label": label, "cells": cells} for label, cells in margin_rows(results.sweep)
+        ],
+        "closed_loop": _closed_loop(results),
+        "parameters": _parameters(study),
+        "ledger": [
+            {"where": entry.where, "reads": entry.reads, "used": entry.used, "why": entry.why}
+            for entry in LEDGER
+        ],
+    }
+
+
+def _status(results: Results) -> str:
+    if results.tuned is None:
+        return "The study's own gains were swept; nothing was tuned."
+    before, after = results.tuned.figures_before.tracking, results.tuned.figures.tracking
+    text = (
+        f"Tuning: {results.tuned.status.value}. Continuous linear tracking index "
+        f"{1e3 * before:.1f} ms with the study's gains, {1e3 * after:.1f} ms tuned."
+    )
+    blocking = results.tuned.blocking
+    if blocking is not None:
+        text += (
+            f" Blocked by {blocking.requirement} at {place_text(blocking.at)}: {blocking.remedy}."
+        )
+    return text
+
+
+def _warnings(results: Results) -> list[str]:
+    found = []
+    for family in results.sweep.families:
+        if family.unstable_count:
+            path = "with" if family.path == "filters" else "without"
+            found.append(
+                f"{family.unstable_count} of {len(family.stable)} plants are unstable {path} the "
+                f"measurement path, for instance {place_text(family.first_unstable())}. "
+                + (
+                    "Eq. 17 and Eq. 21 as stated leave that path out."
+                    if family.path == "filters"
+                    and results.study.study.model.measurement_path == "none"
+                    else ""
+                )
+            )
+    found += [
+        f"{check.name} {check.limit}: this version cannot evaluate the requirement."
+        for check in results.sweep.checks
+        if check.status is Status.NOT_EVALUATED
+    ]
+    return [text.strip() for text in found]
+
+
+def _gains(results: Results) -> list[dict[str, str]]:
+    rows = []
+    for key, unit, symbol, meaning in results.sweep.gains.quantities():
+        rows.append(
+            {
+                "symbol": symbol,
+                "key": key,
+                "value": shown(getattr(results.sweep.gains, key), unit),
+                "before": shown(getattr(results.published.gains, key), unit),
+                "meaning": meaning,
+            }
+        )
+    return rows
+
+
+def _check(check: Check) -> dict[str, Any]:
+    return {
+        "name": check.name,
+        "limit": check.limit,
+        "found": number(check.found),
+        "status": check.status.value,
+        "met": check.status is Status.SATISFIED,
+        "at": place_text(check.at),
+    }
+
+
+def _conditions(results: Results) -> list[dict[str, Any]]:
+    swept = {"study's": results.published, "tuned": results.sweep}
+    if results.tuned is None:
+        del swept["tuned"]
+    return [
+        {
+            "gains": label,
+            "equation": EQUATIONS[condition.name],
+            "ratio": f"{condition.worst_ratio:.4f}",
+            "margin": f"{condition.margin:.3f}",
+            "at": place_text(condition.at),
+            "limit": condition.low_frequency_limit,
+            "nominal_stable": condition.nominal_stable,
+            "poles_equal": condition.poles_equal,
+            "status": condition.status.value,
+        }
+        for label, sweep in swept.items()
+        for condition in sweep.conditions
+    ]
+
+
+def _closed_loop(results: Results) -> list[dict[str, str]]:
+    rows = []
+    for case, before in zip(results.moves, results.moves_before, strict=True):
+        measured = MEASURED_INDEX_RANGE.get(case.mass_kg)
+        rows.append(
+            {
+                "mass": f"{case.mass_kg / 1e3:g} t",
+                "delay": f"{1e3 * case.valve_delay_s:g} ms",
+                "before": _index(before),
+                "after": _index(case),
+                "paper": f"{1e3 * measured[0]:.1f}–{1e3 * measured[1]:.1f} ms" if measured else "—",
+            }
+        )
+    return rows
+
+
+def _index(case: LinearMove) -> str:
+    return f"{case.performance_index_ms:.1f} ms" if case.stable else "unstable"
+
+
+def _parameters(study: ResolvedStudy) -> list[dict[str, Any]]:
+    """Return the study's sections with each parameter's symbol, value, meaning and source."""
+    sections = []
+    values = study.study.model_copy(update={"uncertainty": study.uncertainty})
+    for name in type(study.study).model_fields:
+        section = getattr(values, name)
+        if not isinstance(section, Section):
+            continue
+        source = f"uncertainty.sets.{study.uncertainty_name}"
+        prefix = source if name == "uncertainty" and study.uncertainty_name else name
+        rows = [
+            {
+                "symbol": symbol,
+                "key": key,
+                "value": shown(getattr(section, key), unit, ranged=section.is_range(key)),
+                "meaning": meaning,
+                "source": study.study.source_of(f"{prefix}.{key}") or "this study",
+            }
+            for key, unit, symbol, meaning in section.quantities()
+            if getattr(section, key) is not None
+        ]
+        if rows:
+            sections.append({"name": name, "rows": rows})
+    return sections

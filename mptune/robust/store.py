@@ -1,0 +1,90 @@
+"""A sweep as a labelled data set, and on disk as NetCDF."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+from mptune.files import write_whole_with
+from mptune.loops.broken import NAMES
+from mptune.params.gains import version
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import xarray as xr
+
+    from mptune.robust.result import SweepResult
+
+_UNITS = {"mass": "kg", "delay": "s", "tau_a": "s", "tau_b": "s"}
+_MARGIN_UNITS = {"frequency": "rad/s", "phase_margin": "rad", "delay_margin": "s"}
+
+
+def to_dataset(result: SweepResult) -> xr.Dataset:
+    """Return the sweep as a labelled data set.
+
+    Dimensions: ``condition`` (Eq. 17, Eq. 21), ``frequency``, ``plant``, ``loop`` (velocity,
+    position, force) and ``path`` (none, filters). Envelopes are kept with the plant behind each
+    frequency, and each plant's worst ratio; whole curves are not.
+    """
+    import numpy as np
+    import xarray as xr
+
+    per_frequency = ("condition", "frequency")
+    data: dict[str, xr.DataArray] = {}
+    for name, meaning in (
+        ("left", "largest multiplicative error over the family"),
+        ("right", "|(1 + L_N)/L_N| of the nominal loop"),
+        ("allowed", "largest allowed left/right ratio"),
+        ("plant", "plant behind the envelope"),
+    ):
+        values = np.stack([getattr(condition, name) for condition in result.conditions])
+        key = "plant_behind" if name == "plant" else name
+        data[key] = xr.DataArray(values, dims=per_frequency, attrs={"long_name": meaning})
+    ratios = np.stack([condition.plant_ratio for condition in result.conditions])
+    data["plant_ratio"] = xr.DataArray(
+        ratios, dims=("condition", "plant"), attrs={"long_name": "each plant's worst ratio"}
+    )
+    for name in result.families[0].margins._fields:
+        values = np.stack([getattr(family.margins, name) for family in result.families])
+        unit = _MARGIN_UNITS.get(name, _MARGIN_UNITS.get(name.rsplit("_", 1)[-1], "1"))
+        data[name] = xr.DataArray(values, dims=("path", "loop", "plant"), attrs={"units": unit})
+    data["stable"] = xr.DataArray(
+        np.stack([family.stable for family in result.families]).astype(np.int8),
+        dims=("path", "plant"),
+        attrs={"long_name": "1 where the whole closed loop is certainly stable"},
+    )
+    coordinates: dict[str, object] = {
+        "condition": ["velocity", "position"],
+        "loop": list(NAMES),
+        "path": [family.path for family in result.families],
+        "frequency": xr.DataArray(result.omega, dims="frequency", attrs={"units": "rad/s"}),
+    }
+    for name, unit in _UNITS.items():
+        column = getattr(result.plants, name)
+        coordinates[name] = xr.DataArray(column, dims="plant", attrs={"units": unit})
+    return xr.Dataset(data, coordinates, _attributes(result))
+
+
+def _attributes(result: SweepResult) -> dict[str, str]:
+    return {
+        "title": result.study.title,
+        "study": result.study.name,
+        "study_hash": result.study.hash(),
+        "uncertainty": result.study.uncertainty_name,
+        "mptune_version": version(),
+        "gains": json.dumps(result.gains.model_dump()),
+        "satisfied": str(result.satisfied),
+    }
+
+
+def write_sweep(path: Path, result: SweepResult) -> Path:
+    """Write a sweep as NetCDF, whole or not at all.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    dataset = to_dataset(result)
+    return write_whole_with(path, lambda beside: dataset.to_netcdf(beside, engine="h5netcdf"))

@@ -1,0 +1,45 @@
+"""A sweep's figures as texts, for every table that shows them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.robust.result import MARGINS
+from mptune.units import number
+
+if TYPE_CHECKING:
+    from mptune.robust.result import PlantPoint, SweepResult
+
+EQUATIONS = {"velocity": "Eq. 17", "position": "Eq. 21"}
+
+
+def place_text(at: PlantPoint | None) -> str:
+    """Return a plant and a frequency in one line for print."""
+    if at is None:
+        return "—"
+    text = (
+        f"{at.mass_kg / 1e3:g} t, d {1e3 * at.delay_s:.4g} ms, "
+        f"τ {1e3 * at.tau_a_s:.3g}/{1e3 * at.tau_b_s:.3g} ms"
+    )
+    if np.isnan(at.frequency_rad_s):
+        return text
+    return f"{text}, ω {at.frequency_rad_s:.3g} rad/s"
+
+
+def margin_rows(sweep: SweepResult) -> list[tuple[str, list[str]]]:
+    """Return a label and six cells per margin.
+
+    The cells are the worst values of the velocity loop, of the position loop and at F_ref, each
+    without and with the measurement path.
+    """
+    rows = []
+    for figure in MARGINS:
+        cells = [
+            number(figure.factor * family.worst(figure.name, loop)[0], 3)
+            for loop in range(3)
+            for family in sweep.families
+        ]
+        rows.append((figure.label, cells))
+    return rows

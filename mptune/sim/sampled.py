@@ -1,0 +1,224 @@
+"""The linear closed loop as it runs: sampled at T_S, filtered at T_S,fast, with exact dead time.
+
+Between samples the plant of Eq. 15 is advanced exactly: the force reference is held over T_S and
+reaches the plant after valve and computation, at whatever instant within a fast tick that is. The
+median counts as one sample. A constant load force is carried by the integrator from the start and
+so cancels; dead zone and stop logic, which are not linear, are left out.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from mptune.arrays import FloatArray, frozen, kernel
+from mptune.loops.family import time_constants_at
+from mptune.params.pack import LoopGains, MeasurementPath, pack_filters, pack_gains
+from mptune.signals.trajectory import reference
+from mptune.signals.tustin import discretise
+
+if TYPE_CHECKING:
+    from mptune.params.controller import Feedforward, Gains
+    from mptune.params.study import ResolvedStudy
+
+_DIVERGED = 20.0  # times the longest move
+
+
+class SampledPlant(NamedTuple):
+    """One linear machine."""
+
+    mass: float  # kg
+    delay: float  # s, valve and computation, the hold not counted
+    tau_a: float  # s
+    tau_b: float  # s
+    share_a: float  # -
+
+
+class FeedforwardTuple(NamedTuple):
+    """Feed-forward beyond the velocity reference."""
+
+    acceleration_mass: float  # kg
+    reference_pole: float  # -, at T_S,fast; 0 for none
+    velocity_reference_pole: float  # -, at T_S,fast; 0 for none
+
+
+@dataclass(frozen=True)
+class LinearMove:
+    """One machine's movement set under the sampled linear controller.
+
+    Attributes
+    ----------
+    mass_kg, valve_delay_s, oil_bulk_modulus_pa
+        The machine; the delay is that of valve and computation.
+    stable
+        Whether the movement ended near its reference instead of growing without bound.
+    performance_index_ms
+        Peak position error over peak velocity, §7.2; NaN where not stable.
+    time, reference, position, velocity, force
+        ``(T,)`` traces at T_S,fast in SI; ``force`` is F_ref.
+    """
+
+    mass_kg: float
+    valve_delay_s: float
+    oil_bulk_modulus_pa: float
+    stable: bool
+    performance_index_ms: float
+    time: FloatArray
+    reference: FloatArray
+    position: FloatArray
+    velocity: FloatArray
+    force: FloatArray
+
+
+def linear_moves(
+    study: ResolvedStudy, gains: Gains | None = None, feedforward: Feedforward | None = None
+) -> tuple[LinearMove, ...]:
+    """Run the study's movement set on each of its verification machines, linear.
+
+    The time constants of pressure follow from Eq. 4 and Eq. 12 at the start position.
+    """
+    machine = study.study
+    gains = gains or machine.gains
+    moves = np.array([(m.distance, m.duration, m.rest) for m in machine.manoeuvre])
+    path = pack_filters(machine.controller)
+    ahead = _pack_feedforward(feedforward or machine.feedforward, path.sample_time)
+    period = machine.controller.sampling_period
+    ticks = round(float(moves[:, 1:].sum()) / path.sample_time)
+    results = []
+    for mass in machine.verification.masses:
+        for delay in machine.verification.valve_delays:
+            for modulus in machine.verification.oil_bulk_moduli:
+                tau_a, tau_b = time_constants_at(study, modulus, machine.verification.start)
+                plant = SampledPlant(mass, delay, tau_a, tau_b, machine.cylinder.share_a)
+                traces = run_linear(plant, pack_gains(gains), path, period, moves, ahead, ticks)
+                results.append(_judge(mass, delay, modulus, path.sample_time, moves, traces))
+    return tuple(results)
+
+
+def _pack_feedforward(feedforward: Feedforward, sample_time: float) -> FeedforwardTuple:
+    def pole(lag: float) -> float:
+        return float(np.exp(-sample_time / lag)) if lag > 0 else 0.0
+
+    return FeedforwardTuple(
+        feedforward.acceleration_mass,
+        pole(feedforward.reference_lag),
+        pole(feedforward.velocity_reference_lag),
+    )
+
+
+def _judge(
+    mass: float,
+    delay: float,
+    modulus: float,
+    sample_time: float,
+    moves: FloatArray,
+    traces: FloatArray,
+) -> LinearMove:
+    wanted, position, velocity, force = traces
+    limit = _DIVERGED * float(np.abs(moves[:, 0]).max())
+    stable = bool(np.isfinite(traces).all() and np.abs(position).max() < limit)
+    index = float("nan")
+    if stable:
+        index = 1e3 * float(np.abs(wanted - position).max() / np.abs(velocity).max())
+    return LinearMove(
+        mass_kg=mass,
+        valve_delay_s=delay,
+        oil_bulk_modulus_pa=modulus,
+        stable=stable,
+        performance_index_ms=index,
+        time=frozen(sample_time * np.arange(len(position))),
+        reference=frozen(wanted),
+        position=frozen(position),
+        velocity=frozen(velocity),
+        force=frozen(force),
+    )
+
+
+@kernel
+def _advance(state: FloatArray, force: float, plant: SampledPlant, step: float) -> None:
+    """Advance side A, side B, velocity and position exactly under a constant force reference."""
+    mean_once, mean_twice = 0.0, 0.0
+    for side in range(2):
+        share = plant.share_a if side == 0 else 1 - plant.share_a
+        tau = plant.tau_a if side == 0 else plant.tau_b
+        gap = state[side] - force
+        factor = np.exp(-step / tau) if tau > 0 else 0.0
+        faded = tau * (1 - factor)
+        mean_once += share * (force * step + gap * faded)
+        mean_twice += share * (force * step * step / 2 + gap * tau * (step - faded))
+        state[side] = force + gap * factor
+    state[3] += step * state[2] + mean_twice / plant.mass
+    state[2] += mean_once / plant.mass
+
+
+@kernel
+def run_linear(
+    plant: SampledPlant,
+    gains: LoopGains,
+    path: MeasurementPath,
+    period: float,
+    moves: FloatArray,
+    ahead: FeedforwardTuple,
+    ticks: int,
+) -> FloatArray:
+    """Return reference, position, velocity and F_ref at each fast tick, ``(4, T)``.
+
+    Parameters
+    ----------
+    plant, gains, path
+        The machine, the gains, and the measurement path at T_S,fast.
+    period
+        T_S [s].
+    moves
+        ``(M, 3)`` distance [m], duration [s] and rest [s].
+    ahead
+        Feed-forward.
+    ticks
+        Number T of fast ticks.
+    """
+    fast, pole = path.sample_time, path.filter_pole
+    every = round(period / fast)
+    whole = int(plant.delay / fast + 1e-9)
+    within = max(plant.delay - whole * fast, 0.0)  # of a tick, where a new reference arrives
+    law = discretise(gains, period)
+    commands = np.zeros(ticks // every + 2)
+    traces = np.empty((4, ticks))
+    state = np.zeros(4)  # side A, side B, velocity, position
+    history = np.zeros(6)  # filtered positions, newest first
+    before, applied, given = 0.0, 0.0, 0.0
+    lag1, lag2, integral, last_error = 0.0, 0.0, 0.0, 0.0
+    lagged, lagged_velocity = 0.0, 0.0
+    for tick in range(ticks):
+        r, v_ref, a_ref = reference(tick * fast, moves)
+        lagged = ahead.reference_pole * lagged + (1 - ahead.reference_pole) * r
+        kept = ahead.velocity_reference_pole
+        lagged_velocity = kept * lagged_velocity + (1 - kept) * v_ref
+        for tap in range(5, 0, -1):
+            history[tap] = history[tap - 1]
+        history[0] = pole * history[1] + (1 - pole) * before  # median: one sample late
+        before = state[3]
+        if tick % every == 0:
+            measured = 0.0
+            for tap in range(6):
+                measured += (5.0, 3.0, 1.0, -1.0, -3.0, -5.0)[tap] * history[tap]
+            measured /= 35 * fast  # Eq. 23
+            error = lagged - history[0]
+            shaped = law.b0 * error + lag1
+            lag1 = law.b1 * error - law.a1 * shaped + lag2
+            lag2 = law.b2 * error - law.a2 * shaped
+            integral += law.integral * (error + last_error)
+            last_error = error
+            wanted = lagged_velocity + shaped + integral - measured
+            given = gains.k_p_vel * wanted + ahead.acceleration_mass * a_ref
+            commands[tick // every] = given
+        traces[0, tick], traces[1, tick] = r, state[3]
+        traces[2, tick], traces[3, tick] = state[2], given
+        if tick >= whole and (tick - whole) % every == 0:
+            _advance(state, applied, plant, within)
+            applied = commands[(tick - whole) // every]
+            _advance(state, applied, plant, fast - within)
+        else:
+            _advance(state, applied, plant, fast)
+    return traces
