@@ -16,7 +16,7 @@ test: setup
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
-	$(BIN)/pytest -n 2
+	NUMBA_NUM_THREADS=1 $(BIN)/pytest -n 2
 
 bench: setup
 	$(BIN)/pytest -m bench -s -p no:randomly tests/bench

@@ -3,6 +3,7 @@
 ::
 
     <out>/<study>.pdf           the report
+    <out>/<study>.png           its four panels, as a picture
     <out>/<study>/sweep.nc      both inequalities and margins, of the final gains
     <out>/<study>/gains.toml    the controller's gains, with verdicts
     <out>/<study>/*.svg         the figures
@@ -110,7 +111,7 @@ def run(
     progress("closed loop", 0.0)
     moves_before, moves = linear_moves(study), linear_moves(study, tuned.gains)
     progress("figures", 0.0)
-    figures = draw(tuned.sweep, moves)
+    figures, picture = draw(tuned.sweep, moves)
     files = [
         write_sweep(folder / "sweep.nc", tuned.sweep),
         write_gains(folder / "gains.toml", gains_file(tuned.sweep, moves)),
@@ -118,6 +119,7 @@ def run(
     files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
     result = JobResult(study, published, tuned, moves, moves_before, ())
     progress("report", 0.0)
+    files.append(write_whole(out / f"{study.name}.png", picture))
     files.append(_report(out / f"{study.name}.pdf", result, figures))
     progress("report", 1.0)
     return JobResult(study, published, tuned, moves, moves_before, tuple(files))
@@ -155,18 +157,20 @@ def tune_study(
     return tuned, (write_gains(folder / "gains.toml", gains_file(tuned.sweep, moves)),)
 
 
-def draw(swept: SweepResult, moves: tuple[LinearMove, ...]) -> dict[str, bytes]:
-    """Return the figures of a run as SVG, by name."""
+def draw(swept: SweepResult, moves: tuple[LinearMove, ...]) -> tuple[dict[str, bytes], bytes]:
+    """Return the figures of a run as SVG, by name, and the four panels as PNG."""
     from mptune.figures.bode import bode_plots
     from mptune.figures.moves import move_traces
     from mptune.figures.panels import four_panels
-    from mptune.figures.style import to_svg
+    from mptune.figures.style import to_png, to_svg
 
-    return {
-        "panels": to_svg(four_panels(swept)),
+    panels = four_panels(swept)
+    figures = {
+        "panels": to_svg(panels),
         "bode": to_svg(bode_plots(swept)),
         "moves": to_svg(move_traces(moves)),
     }
+    return figures, to_png(panels)
 
 
 def gains_file(swept: SweepResult, moves: tuple[LinearMove, ...]) -> GainsFile:

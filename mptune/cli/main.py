@@ -12,7 +12,6 @@ import sys
 from pathlib import Path
 from typing import Annotated
 
-import click
 import typer
 
 NOT_MET, BAD_INPUT, UNFINISHED, INTERRUPTED = 1, 2, 3, 130
@@ -165,21 +164,24 @@ def status(arguments: list[str]) -> int:
     """Return the exit status of a command line, having said on stderr what went wrong."""
     try:
         code = app(args=arguments, prog_name="mptune", standalone_mode=False)
-    except click.exceptions.Exit as done:
-        return done.exit_code
-    except click.ClickException as error:
-        error.show()
-        return BAD_INPUT
-    except (click.Abort, KeyboardInterrupt):
-        return _say("interrupted; nothing was left half-written", INTERRUPTED)
+    except typer.Exit as done:
+        code = done.exit_code
+    except (typer.Abort, KeyboardInterrupt):
+        code = INTERRUPTED
     except Exception as error:  # noqa: BLE001 - the last line of defence, with its own status
         return _failed(error)
+    if code == INTERRUPTED:
+        return _say("interrupted; nothing was left half-written", INTERRUPTED)
     return code if isinstance(code, int) else 0
 
 
 def _failed(error: Exception) -> int:
     from mptune.errors import InputError, MptuneError
 
+    show = getattr(error, "show", None)
+    if callable(show):  # a usage error of typer, whose class depends on typer's version
+        show()
+        return BAD_INPUT
     if isinstance(error, InputError):
         return _say(str(error), BAD_INPUT)
     if isinstance(error, MptuneError):

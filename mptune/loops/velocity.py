@@ -23,6 +23,12 @@ def true_velocity(
 
 
 @kernel
+def error_of_factors(force: Complex, lag: Complex, mass_ratio: float) -> Complex:
+    """Return Δ_vel from its factors G_F(s), e^{−s(d − d_min)} and m_min/m."""
+    return force * lag * mass_ratio - 1  # Eq. 16
+
+
+@kernel
 def velocity_error(
     s: Complex,
     mass: float,
@@ -34,8 +40,8 @@ def velocity_error(
     nominal_delay: float,
 ) -> Complex:
     """Return Δ_vel(s) = (G_T,vel − G_N,vel)/G_N,vel, the integrators cancelled by hand."""
-    factor = np.exp(-s * (delay - nominal_delay)) * (nominal_mass / mass)
-    return force_dynamics(s, tau_a, tau_b, share_a) * factor - 1  # Eq. 16
+    force = force_dynamics(s, tau_a, tau_b, share_a)
+    return error_of_factors(force, np.exp(-s * (delay - nominal_delay)), nominal_mass / mass)
 
 
 @kernel

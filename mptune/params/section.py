@@ -35,10 +35,12 @@ def quantity(
     above: float | None = None,
     at_least: float | None = None,
     at_most: float | None = None,
+    words: tuple[str, ...] = (),
 ) -> Any:
     """Declare a field: SI unit ("1" for a plain number), symbol, meaning and allowed values.
 
-    The bounds hold for each value of a pair or list, in SI.
+    The bounds hold for each value of a pair or list, in SI. ``words`` are allowed in the place of
+    a quantity.
     """
     extra: dict[str, Any] = {
         "unit": unit,
@@ -46,6 +48,7 @@ def quantity(
         "above": above,
         "at_least": at_least,
         "at_most": at_most,
+        "words": words,
     }
     return Field(default, description=meaning, json_schema_extra=extra)
 
@@ -112,8 +115,8 @@ def _convert(value: Any, extra: dict[str, Any]) -> Any:
         if not math.isfinite(number):
             refuse("is not a finite number", "give a finite value")
     elif isinstance(value, str):
-        if not any(character.isdigit() for character in value) and value not in {"nan", "inf"}:
-            return value  # a word, such as "derived"; the type of the field decides
+        if value in extra["words"]:
+            return value
         try:
             number = parse_quantity(value, unit)
         except UnitError as error:

@@ -15,7 +15,7 @@ class Nominal(Section):
     """The nominal machine of Eq. 14; the least mass and the least delay where nothing is given."""
 
     mass: float | None = quantity("kg", "m_min", "nominal mass", None, above=0)
-    delay: float | None = quantity("s", "T_S/2+d_min", "nominal delay", None, above=0)
+    delay: float | None = quantity("s", "d_min", "nominal delay", None, above=0)
 
 
 class UncertaintySet(Section):
@@ -23,10 +23,14 @@ class UncertaintySet(Section):
 
     mass: Range = quantity("kg", "m", "effective inertia", above=0)
     delay: Range = quantity(
-        "s", "T_S/2+d", "total delay: half a sampling period, valve, computation", above=0
+        "s", "d", "total delay: half a sampling period, valve, computation", above=0
     )
-    tau_a: Range | Derived = quantity("s", "τ_A", "A-side time constant, or derived", at_least=0)
-    tau_b: Range | Derived = quantity("s", "τ_B", "B-side time constant, or derived", at_least=0)
+    tau_a: Range | Derived = quantity(
+        "s", "τ_A", "A-side time constant, or derived", at_least=0, words=("derived",)
+    )
+    tau_b: Range | Derived = quantity(
+        "s", "τ_B", "B-side time constant, or derived", at_least=0, words=("derived",)
+    )
     points: int = quantity("1", "n", "points per parameter", 7, at_least=1, at_most=51)
     nominal: Nominal = Nominal()
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from mptune.loops.family import derived_time_constants
 from mptune.params.gains import now, version
 from mptune.params.paper import LEDGER, MEASURED_INDEX_RANGE
 from mptune.params.section import Section
@@ -54,6 +55,7 @@ def content(results: Results) -> dict[str, Any]:
         ],
         "closed_loop": _closed_loop(results),
         "parameters": _parameters(study),
+        "derived": [shown(pair, "s", ranged=True) for pair in derived_time_constants(study)],
         "ledger": [
             {"where": entry.where, "reads": entry.reads, "used": entry.used, "why": entry.why}
             for entry in LEDGER

@@ -8,18 +8,16 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-import numba
 import numpy as np
 
-from mptune.arrays import ComplexArray, FloatArray, IntArray, kernel, parallel_kernel
+from mptune.arrays import ComplexArray, FloatArray, IntArray, kernel
 from mptune.loops.broken import position_loop, velocity_loop
+from mptune.loops.force_dynamics import force_dynamics
 from mptune.loops.position import position_error
-from mptune.loops.velocity import nominal_velocity, velocity_error
+from mptune.loops.velocity import error_of_factors, nominal_velocity
 
 if TYPE_CHECKING:
     from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
-
-_BLOCKS = 16  # of frequencies; fixed, so that results do not depend on the number of cores
 
 
 class Sides(NamedTuple):
@@ -62,31 +60,53 @@ def sides(
     """Return both sides of Eq. 17 and Eq. 21 at the frequencies ``omega``, ``(F,)`` [rad/s]."""
     loops = nominal_loops(omega, nominal, gains, path)
     right = np.abs((1 + loops) / loops)  # Eq. 17 and Eq. 21, right-hand sides
-    errors = family_errors(omega, plants, nominal, share_a, loops[0], 1 / right)
-    left, plant, block_ratio, block_frequency = errors
-    block = np.argmax(block_ratio, axis=1)  # (2, N)
-    ratio = np.take_along_axis(block_ratio, block[:, None], axis=1)[:, 0]
-    frequency = np.take_along_axis(block_frequency, block[:, None], axis=1)[:, 0]
+    left, plant, ratio, frequency = _family_errors(
+        omega, _factors(plants, nominal), nominal.delay, share_a, loops[0], 1 / right
+    )
     return Sides(np.sqrt(left), plant, right, np.sqrt(ratio), frequency)
 
 
-@parallel_kernel
-def family_errors(
+class _Factors(NamedTuple):
+    """A family as the few different values that its plants are made of."""
+
+    delay: FloatArray  # (D,) s, different delays
+    tau_a: FloatArray  # (P,) s, different pairs
+    tau_b: FloatArray  # (P,) s
+    mass_ratio: FloatArray  # (N,) m_min/m
+    which_delay: IntArray  # (N,)
+    which_pair: IntArray  # (N,)
+
+
+def _factors(plants: Plants, nominal: NominalPlant) -> _Factors:
+    """Return the family's different delays and lags, so that each is evaluated once."""
+    delay, which_delay = np.unique(plants.delay, return_inverse=True)
+    lags = np.stack([plants.tau_a, plants.tau_b])
+    pairs, which_pair = np.unique(lags, axis=1, return_inverse=True)
+    tau_a, tau_b = np.ascontiguousarray(pairs)
+    return _Factors(
+        delay, tau_a, tau_b, nominal.mass / plants.mass, which_delay, which_pair.ravel()
+    )
+
+
+@kernel
+def _family_errors(
     omega: FloatArray,
-    plants: Plants,
-    nominal: NominalPlant,
+    factors: _Factors,
+    nominal_delay: float,
     share_a: float,
     nominal_velocity_loop: ComplexArray,
     weight: FloatArray,
 ) -> tuple[FloatArray, IntArray, FloatArray, IntArray]:
     """Return the squared envelopes of |Δ_vel| and |Δ_pos| and each plant's worst ratio, squared.
 
+    One thread: the loop is so short that sharing it out costs more than it saves.
+
     Parameters
     ----------
     omega
         ``(F,)`` frequencies [rad/s].
-    plants, nominal, share_a
-        The family ``(N,)``, the nominal plant and A_A/(A_A + A_B).
+    factors, nominal_delay, share_a
+        The family, the nominal delay [s] and A_A/(A_A + A_B).
     nominal_velocity_loop
         ``(F,)`` loop gain of the nominal velocity loop.
     weight
@@ -95,37 +115,34 @@ def family_errors(
     Returns
     -------
     tuple
-        Envelopes ``(2, F)``, plants behind them ``(2, F)``; worst ratios per block of frequencies
-        ``(2, B, N)`` and the frequencies behind them ``(2, B, N)``.
+        Envelopes ``(2, F)``, plants behind them ``(2, F)``; worst ratios ``(2, N)`` and the
+        frequencies behind them ``(2, N)``.
     """
-    points, count = len(omega), len(plants.mass)
+    points, count = len(omega), len(factors.mass_ratio)
     left = np.zeros((2, points))
     plant = np.zeros((2, points), np.int64)
-    ratio = np.zeros((2, _BLOCKS, count))
-    frequency = np.zeros((2, _BLOCKS, count), np.int64)
-    for block in numba.prange(_BLOCKS):
-        for f in range(block * points // _BLOCKS, (block + 1) * points // _BLOCKS):
-            s = 1j * omega[f]
-            square = weight[0, f] ** 2, weight[1, f] ** 2
-            for n in range(count):
-                velocity = velocity_error(
-                    s,
-                    plants.mass[n],
-                    plants.delay[n],
-                    plants.tau_a[n],
-                    plants.tau_b[n],
-                    share_a,
-                    nominal.mass,
-                    nominal.delay,
-                )
-                position = position_error(velocity, nominal_velocity_loop[f])
-                for loop in range(2):
-                    error = velocity if loop == 0 else position
-                    size = error.real**2 + error.imag**2
-                    if size > left[loop, f]:
-                        left[loop, f] = size
-                        plant[loop, f] = n
-                    if size * square[loop] > ratio[loop, block, n]:
-                        ratio[loop, block, n] = size * square[loop]
-                        frequency[loop, block, n] = f
+    ratio = np.zeros((2, count))
+    frequency = np.zeros((2, count), np.int64)
+    lag = np.empty(len(factors.delay), np.complex128)
+    force = np.empty(len(factors.tau_a), np.complex128)
+    for f in range(points):
+        s = 1j * omega[f]
+        for i in range(len(lag)):
+            lag[i] = np.exp(-s * (factors.delay[i] - nominal_delay))
+        for i in range(len(force)):
+            force[i] = force_dynamics(s, factors.tau_a[i], factors.tau_b[i], share_a)
+        for n in range(count):
+            pair, delay = factors.which_pair[n], factors.which_delay[n]
+            velocity = error_of_factors(force[pair], lag[delay], factors.mass_ratio[n])
+            position = position_error(velocity, nominal_velocity_loop[f])
+            for loop in range(2):
+                error = velocity if loop == 0 else position
+                size = error.real**2 + error.imag**2
+                if size > left[loop, f]:
+                    left[loop, f] = size
+                    plant[loop, f] = n
+                size *= weight[loop, f] ** 2
+                if size > ratio[loop, n]:
+                    ratio[loop, n] = size
+                    frequency[loop, n] = f
     return left, plant, ratio, frequency

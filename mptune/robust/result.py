@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mptune.loops.family import derived_time_constants
+
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, FloatArray, IntArray
     from mptune.params.controller import Gains
@@ -224,6 +226,8 @@ class SweepResult:
             for check in self.checks
         ]
         values["satisfied"] = self.satisfied
+        tau_a, tau_b = derived_time_constants(self.study)  # Eq. 4 and 12, beside the set's own
+        values["derived_time_constants"] = {"tau_a_s": list(tau_a), "tau_b_s": list(tau_b)}
         return values
 
 
