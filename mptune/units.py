@@ -19,8 +19,11 @@ _QUANTITY = re.compile(
     r"\s*(?P<number>[+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?|[+-]?(?:nan|inf|NaN|Infinity))"
     r"\s*(?P<unit>.*?)\s*"
 )
-_UNIT_TEXT = re.compile(r"[A-Za-z0-9µμ°%·*/^().\- ]{1,40}")
-_POWER_TOWER = re.compile(r"(\^|\*\*)\s*-?[\d.]+\s*(\^|\*\*)|\d{3,}")
+# Unit names with at most one small power each: nothing that takes time to evaluate.
+_UNIT = re.compile(
+    r"(?:[A-Za-zµμ°%]+(?:\s*(?:\^|\*\*)\s*-?\d(?:\.\d)?(?![\d.]))?|1(?=\s*/)|[()*/·\s])+"
+)
+_LONGEST_UNIT = 40
 
 
 class UnitError(ValueError):
@@ -60,22 +63,25 @@ def parse_quantity(text: str, unit: str) -> float:
         raise UnitError(
             "is not a number with a unit", f'write a number and a unit, like "1 {unit}"'
         )
-    number = float(match["number"])
-    if not math.isfinite(number):
+    value = float(match["number"])
+    if math.isfinite(value) and value != 0:
+        # Multiplied as decimals, so that "12.2 ms" is the float 0.0122 and not its neighbour.
+        value = float(Decimal(match["number"]) * _factor(match["unit"], unit))
+    elif value == 0:
+        _factor(match["unit"], unit)  # zero of a wrong unit is still wrong
+    if not math.isfinite(value):
         raise UnitError("is not a finite number", f"give a finite value in {unit}")
-    # Multiplied as decimals, so that "12.2 ms" is the float 0.0122 and not its neighbour.
-    return float(Decimal(match["number"]) * Decimal(repr(_factor(match["unit"], unit))))
+    return value
 
 
 @cache
-def _factor(written: str, unit: str) -> float:
-    """Return the SI value of one ``written`` unit."""
+def _factor(written: str, unit: str) -> Decimal:
+    """Return the SI value of one ``written`` unit, to the 15 digits that pint keeps of it."""
     import pint
 
     if not written:
         raise UnitError("has no unit", f'write the unit behind the number, like "1 {unit}"')
-    known = _UNIT_TEXT.fullmatch(written) and not _POWER_TOWER.search(written)
-    if not known:
+    if len(written) > _LONGEST_UNIT or _UNIT.fullmatch(written) is None:
         raise UnitError(f"has an unreadable unit {written!r}", f"write a unit of {unit}")
     try:
         parsed = registry().Quantity(1.0, registry().parse_units(written))
@@ -89,7 +95,7 @@ def _factor(written: str, unit: str) -> float:
     except Exception as error:  # pint's parser raises whatever its tokenizer met
         raise UnitError(f"has an unreadable unit {written!r}", f"write a unit of {unit}") from error
     _refuse_cycles_for_radians(written, unit)
-    return factor
+    return Decimal(f"{factor:.15g}")
 
 
 def _refuse_cycles_for_radians(written: str, unit: str) -> None:

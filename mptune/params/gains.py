@@ -7,7 +7,9 @@ satisfied, unless told otherwise, and one that belongs to another model.
 from __future__ import annotations
 
 import datetime as dt
+import hashlib
 import importlib.metadata
+import json
 from typing import TYPE_CHECKING, Any, Literal
 
 import tomlkit
@@ -41,8 +43,13 @@ class GainsFile(Section):
     margins: Verdict = Field(description="verdict on the requirements of Eq. 17 and 21 and others")
     closed_loop: Verdict = Field(description="verdict on the closed loop in time")
     gains: Gains
-    feedforward: Feedforward = Feedforward()
-    figures: dict[str, dict[str, Any]] = Field(default_factory=dict)
+    feedforward: Feedforward
+    figures: dict[str, dict[str, Any]]
+
+    def content_hash(self) -> str:
+        """Return the hash of all that the file says; it stands in the file as well."""
+        values = json.dumps(self.model_dump(), sort_keys=True)
+        return hashlib.sha256(values.encode()).hexdigest()
 
 
 def now() -> str:
@@ -61,7 +68,7 @@ def write_gains(path: Path, gains: GainsFile) -> Path:
     document = tomlkit.document()
     document.add(tomlkit.comment("Gains in SI units, written by mptune. Do not edit: the margins"))
     document.add(tomlkit.comment("below hold for exactly these numbers."))
-    values = gains.model_dump()
+    values = gains.model_dump() | {"content_hash": gains.content_hash()}
     for key, value in values.items():
         if not isinstance(value, dict):
             document.add(key, value)
@@ -90,13 +97,22 @@ def read_gains(path: Path, study_hash: str = "") -> GainsFile:
     Raises
     ------
     InputError
-        If the file cannot be read, breaks a rule, or belongs to another study.
+        If the file cannot be read, breaks a rule, was edited, or belongs to another study.
     """
     values = parse_toml(path, read_text(path))
+    stated = values.pop("content_hash", "")
     try:
         gains = GainsFile.model_validate(values, context={"si": True})
     except ValidationError as error:
         raise InputError(path, *faults_of(error, GainsFile)) from error
+    if stated != gains.content_hash():
+        fault = Fault(
+            "content_hash",
+            "",
+            "does not fit the rest of the file, which was edited or cut off",
+            "tune or export it again",
+        )
+        raise InputError(path, fault)
     if study_hash and gains.study_hash != study_hash:
         fault = Fault(
             "study_hash",

@@ -72,6 +72,9 @@ def parse_toml(path: Path, text: str) -> dict[str, Any]:
     except tomllib.TOMLDecodeError as error:
         fault = Fault("", "", f"is not valid TOML: {error}", "mend that line")
         raise InputError(path, fault) from error
+    except RecursionError as error:
+        fault = Fault("", "", "is not usable TOML: nested too deeply", "mend its brackets")
+        raise InputError(path, fault) from error
 
 
 def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
@@ -131,9 +134,13 @@ def _override(values: dict[str, Any], override: str) -> None:
         fault = Fault("", repr(override), "is not key=value", 'write --set "load.force=5 kN"')
         raise InputError("--set", fault)
     try:
-        value = tomllib.loads(f"value = {text}")["value"]
+        parsed = tomllib.loads(f"value = {text}")
     except tomllib.TOMLDecodeError:
-        value = text.strip()  # a bare quantity: --set "controller.sampling_period=12 ms"
+        parsed = {"value": text.strip()}  # a bare quantity: "controller.sampling_period=12 ms"
+    if set(parsed) != {"value"}:
+        fault = Fault(key.strip(), "", "is given more than one value", "repeat --set for each key")
+        raise InputError("--set", fault)
+    value = parsed["value"]
     section = values
     for part in parts[:-1]:
         section = section.setdefault(part, {})

@@ -28,5 +28,5 @@ class Verification(Section):
     )
     oil_bulk_moduli: tuple[float, ...] = quantity("Pa", "B_oil", "oil bulk moduli", above=0)
     load_forces: tuple[float, ...] = quantity("N", "F_load", "load forces")
-    seeds: tuple[int, ...] = Field((1,), description="seeds of the random numbers")
+    seeds: tuple[int, ...] = quantity("1", "seed", "seeds of the random numbers", (1,))
     repeats: int = quantity("1", "n", "movement sets per case", 1, at_least=1)

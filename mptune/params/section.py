@@ -71,10 +71,13 @@ class Section(BaseModel):
             return value
         if info.context and info.context.get("si"):
             extra = {**extra, "si": True}
-        converted = _convert(value, extra)
         if _is_range(field):
-            _check_range(converted)
-        return converted
+            return _checked_range(_convert(value, extra))
+        if _is_list(field):
+            _check_list(value)
+        elif isinstance(value, list):
+            refuse("is a list where one number is needed", "give one value")
+        return _convert(value, extra)
 
     @classmethod
     def is_range(cls, name: str) -> bool:
@@ -107,13 +110,13 @@ def _convert(value: Any, extra: dict[str, Any]) -> Any:
         return [_convert(item, extra) for item in value]
     unit = str(extra["unit"])
     if isinstance(value, bool) or not isinstance(value, int | float | str):
-        return value
+        refuse("is no number with a unit", f'give a number and a unit, like "1 {unit}"')
+    if isinstance(value, float) and not math.isfinite(value):
+        refuse("is not a finite number", "give a finite value")
     if unit == "1" or extra.get("si"):
         if isinstance(value, str):
-            return value
-        number = value if isinstance(value, int) else float(value)
-        if not math.isfinite(number):
-            refuse("is not a finite number", "give a finite value")
+            refuse("is a text where a plain number is needed", "write the number without quotes")
+        number = value
     elif isinstance(value, str):
         if value in extra["words"]:
             return value
@@ -137,9 +140,20 @@ def _check_bounds(number: float, extra: dict[str, Any], unit: str) -> None:
         refuse(f"must be at most {at_most:g}{unit}", "give a smaller value")
 
 
-def _check_range(value: Any) -> None:
+def _is_list(field: FieldInfo) -> bool:
+    return "..." in str(field.annotation)
+
+
+def _check_list(value: Any) -> None:
+    if not isinstance(value, list | tuple):
+        refuse("is a single value where a list is needed", 'give a list, like ["VALUE"]')
+    if not value:
+        refuse("is an empty list", "give at least one value")
+
+
+def _checked_range(value: Any) -> Any:
     if isinstance(value, str):
-        return
+        return value
     if not isinstance(value, list):
         refuse("is a single value where a range is needed", 'give a pair, like ["LOW", "HIGH"]')
     if not value:
@@ -149,3 +163,4 @@ def _check_range(value: Any) -> None:
     low, high = value
     if isinstance(low, int | float) and isinstance(high, int | float) and low > high:
         refuse("is a reversed range", "write the smaller value first")
+    return value

@@ -59,7 +59,8 @@ def sides(
 ) -> Sides:
     """Return both sides of Eq. 17 and Eq. 21 at the frequencies ``omega``, ``(F,)`` [rad/s]."""
     loops = nominal_loops(omega, nominal, gains, path)
-    right = np.abs((1 + loops) / loops)  # Eq. 17 and Eq. 21, right-hand sides
+    with np.errstate(divide="ignore"):  # a loop without gain has an infinite right-hand side
+        right = np.abs(1 + loops) / np.abs(loops)  # Eq. 17 and Eq. 21
     left, plant, ratio, frequency = _family_errors(
         omega, _factors(plants, nominal), nominal.delay, share_a, loops[0], 1 / right
     )

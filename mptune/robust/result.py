@@ -101,7 +101,7 @@ class Condition:
     @property
     def margin(self) -> float:
         """Factor by which the family's error may grow before the condition fails."""
-        return 1 / self.worst_ratio
+        return 1 / self.worst_ratio if self.worst_ratio > 0 else np.inf
 
     @property
     def satisfied(self) -> bool:
