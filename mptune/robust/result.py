@@ -29,6 +29,11 @@ class Status(StrEnum):
     NOT_EVALUATED = "not evaluated"  # this version has no check for it
 
 
+def finite(value: float) -> float | None:
+    """Return the value, or None where it is NaN or infinite, which JSON cannot say."""
+    return value if np.isfinite(value) else None
+
+
 @dataclass(frozen=True)
 class PlantPoint:
     """A plant of the family at a frequency."""
@@ -39,9 +44,9 @@ class PlantPoint:
     tau_b_s: float
     frequency_rad_s: float
 
-    def values(self) -> dict[str, float]:
+    def values(self) -> dict[str, float | None]:
         """Return the fields by name, as JSON has them."""
-        return {field.name: getattr(self, field.name) for field in fields(self)}
+        return {field.name: finite(getattr(self, field.name)) for field in fields(self)}
 
 
 def plant_point(plants: Plants, index: int, frequency: float) -> PlantPoint:
@@ -206,7 +211,7 @@ class SweepResult:
         for condition in self.conditions:
             values[condition.name] = {
                 "worst_ratio": condition.worst_ratio,
-                "margin": condition.margin,
+                "margin": finite(condition.margin),
                 "satisfied": condition.satisfied,
                 "status": condition.status.value,
                 "nominal_stable": condition.nominal_stable,
@@ -219,7 +224,7 @@ class SweepResult:
             {
                 "name": check.name,
                 "limit": check.limit,
-                "found": check.found,
+                "found": finite(check.found),
                 "status": check.status.value,
                 "at": check.at.values() if check.at else None,
             }
@@ -264,5 +269,5 @@ def _family_json(family: Family) -> dict[str, Any]:
         values[name] = {}
         for figure in MARGINS:
             value, at = family.worst(figure.name, loop)
-            values[name][figure.key] = {"worst": value, "at": at.values() if at else None}
+            values[name][figure.key] = {"worst": finite(value), "at": at.values() if at else None}
     return values
