@@ -1,0 +1,65 @@
+"""The sweep of both inequalities against the same sweep written with python-control objects.
+
+Both are run side by side on 7⁴ plants and 400 frequencies; run with ``make bench``.
+"""
+
+import time
+
+import control
+import numpy as np
+import pytest
+
+from mptune.loops.family import plants_of
+from mptune.params.pack import NO_PATH, pack_gains, pack_nominal
+from mptune.robust.condition import sides
+
+pytestmark = pytest.mark.bench
+
+
+def control_sides(omega, plants, nominal, share_a, gains):
+    """Return the largest left/right ratios of both conditions, with python-control objects."""
+    s = control.tf("s")
+    g_v = gains.k_p_vel
+    g_p = gains.k_p_pos * (s**2 / gains.omega**2 + 2 * gains.xi * s / gains.omega + 1)
+    g_p = g_p / (gains.tau * s + 1) ** 2 + gains.k_i_pos / s
+    jw = 1j * omega
+    controller = g_p(jw)
+    g_n = (1 / (nominal.mass * s))(jw) * np.exp(-jw * nominal.delay)
+    n_pos = g_n * g_v / (jw * (1 + g_n * g_v))
+    right = [np.abs((1 + g_n * g_v) / (g_n * g_v))]
+    right.append(np.abs((1 + n_pos * controller) / (n_pos * controller)))
+    worst = np.zeros(2)
+    for mass, delay, tau_a, tau_b in zip(*plants, strict=True):
+        lead = tau_b * share_a + tau_a * (1 - share_a)
+        plant = (lead * s + 1) / ((tau_a * s + 1) * (tau_b * s + 1) * mass * s)
+        g_t = plant(jw) * np.exp(-jw * delay)
+        t_pos = g_t * g_v / (jw * (1 + g_t * g_v))
+        for loop, error in enumerate(((g_t - g_n) / g_n, (t_pos - n_pos) / n_pos)):
+            worst[loop] = max(worst[loop], (np.abs(error) / right[loop]).max())
+    return worst
+
+
+def test_sweep_is_at_least_200_times_faster_than_control_objects(boom):
+    plants, nominal, gains = plants_of(boom), pack_nominal(boom), pack_gains(boom.study.gains)
+    share_a = boom.study.cylinder.share_a
+    omega = np.geomspace(0.1, 1000, 400)
+
+    def fast():
+        return sides(omega, plants, nominal, share_a, gains, NO_PATH)
+
+    fast()  # compile, or load from the cache
+    times = []
+    for _ in range(7):
+        start = time.perf_counter()
+        found = fast()
+        times.append(time.perf_counter() - start)
+    start = time.perf_counter()
+    slow = control_sides(omega, plants, nominal, share_a, gains)
+    slow_time = time.perf_counter() - start
+    fast_time = float(np.median(times))
+    print(
+        f"\n{len(plants.mass)} plants x {len(omega)} frequencies: python-control {slow_time:.2f} s,"
+        f" mptune {1e3 * fast_time:.1f} ms, {slow_time / fast_time:.0f} times faster"
+    )
+    np.testing.assert_allclose(found.ratio.max(axis=1), slow, rtol=1e-9)
+    assert slow_time / fast_time >= 200

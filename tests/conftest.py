@@ -1,0 +1,90 @@
+"""What the tests share: the paper's study, its sweeps, and study files to spoil."""
+
+from __future__ import annotations
+
+import os
+import tomllib
+from pathlib import Path
+
+# The workers of pytest-xdist share the cores: threads of their own would wait for one another.
+os.environ["NUMBA_NUM_THREADS"] = "1"
+
+import numba
+import pytest
+import tomlkit
+from hypothesis import settings
+
+from mptune.params.load import load_study
+from mptune.robust.sweep import sweep
+
+EXAMPLES = 8 if numba.config.DISABLE_JIT else 50
+settings.register_profile("repeatable", deadline=None, derandomize=True, max_examples=EXAMPLES)
+settings.register_profile("explore", deadline=None, max_examples=200)
+settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
+
+ROOT = Path(__file__).parents[1]
+STUDY = ROOT / "studies" / "boom" / "study.toml"
+
+# Interpreted kernels are slow; the corners of the box hold the worst plants of the paper's sets.
+POINTS = 2 if numba.config.DISABLE_JIT else 7
+
+
+@pytest.fixture(scope="session")
+def root() -> Path:
+    return ROOT
+
+
+@pytest.fixture(scope="session")
+def study_file() -> Path:
+    return STUDY
+
+
+@pytest.fixture(scope="session")
+def load_boom():
+    """Load the boom study with overrides: on the whole grid, or on its corners only."""
+
+    def load(*overrides, uncertainty="", corners=False):
+        points = 2 if corners else POINTS
+        place = f"uncertainty.sets.{uncertainty}" if uncertainty else "uncertainty"
+        return load_study(STUDY, [f"{place}.points={points}", *overrides], uncertainty)
+
+    return load
+
+
+@pytest.fixture(scope="session")
+def boom():
+    return load_study(STUDY)
+
+
+@pytest.fixture(scope="session")
+def fig_5(load_boom):
+    """The sweep of the published gains over the ranges of Fig. 5."""
+    return sweep(load_boom())
+
+
+@pytest.fixture(scope="session")
+def section_5_1(load_boom):
+    """The sweep of the published gains over the ranges of §5.1."""
+    return sweep(load_boom(uncertainty="section-5-1"))
+
+
+@pytest.fixture
+def write_study(tmp_path):
+    """Write the boom study with some keys set to TOML values, or removed where None."""
+
+    def write(changes):
+        document = tomlkit.parse(STUDY.read_text(encoding="utf-8")).unwrap()
+        for key, text in changes.items():
+            *parents, last = key.split(".")
+            section = document
+            for parent in parents:
+                section = section.setdefault(parent, {})
+            if text is None:
+                del section[last]
+            else:
+                section[last] = tomllib.loads(f"value = {text}")["value"]
+        path = tmp_path / "study.toml"
+        path.write_text(tomlkit.dumps(document), encoding="utf-8")
+        return path
+
+    return write

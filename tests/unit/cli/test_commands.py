@@ -1,0 +1,231 @@
+"""The commands as users run them: words, JSON, exit statuses, and bad input one by one."""
+
+import json
+import re
+
+import pytest
+
+from mptune.cli.main import status
+
+CORNERS = ("--set", "uncertainty.points=2")
+
+
+@pytest.fixture
+def cli(study_file, tmp_path, capsys):
+    """Run a command on the boom study (or on ``study``) and return status, stdout and stderr."""
+
+    def run(command, *arguments, study=study_file, out=None):
+        folder = tmp_path / "out" if out is None else out
+        line = [command, str(study), "--out", str(folder), *arguments]
+        code = status(line)
+        captured = capsys.readouterr()
+        return code, captured.out, captured.err
+
+    return run
+
+
+def test_sweep_json_holds_the_agreed_keys(cli):
+    code, out, _ = cli("sweep", "--json", *CORNERS)
+    values = json.loads(out)
+    assert code == 0
+    for name in ("velocity", "position"):
+        assert {"worst_ratio", "margin", "satisfied", "nominal_stable", "at"} <= set(values[name])
+        at = values[name]["at"]
+        assert set(at) == {"mass_kg", "delay_s", "tau_a_s", "tau_b_s", "frequency_rad_s"}
+    assert values["velocity"]["worst_ratio"] == pytest.approx(0.641, abs=5e-4)
+    assert values["position"]["worst_ratio"] == pytest.approx(0.476, abs=5e-4)
+    assert values["velocity"]["at"]["mass_kg"] == 24500
+
+
+def test_json_stands_alone_on_stdout_and_is_strict(cli):
+    _, out, _ = cli("sweep", "--json", *CORNERS)
+
+    def refuse(token):
+        raise AssertionError(token)
+
+    json.loads(out, parse_constant=refuse)
+    assert out.count("\n") == 1
+
+
+def test_uncertainty_set_is_chosen_by_name(cli):
+    extra = ("--set", "uncertainty.sets.section-5-1.points=2")
+    code, out, _ = cli("sweep", "--json", "--uncertainty", "section-5-1", *extra)
+    assert code == 0
+    assert json.loads(out)["velocity"]["worst_ratio"] == pytest.approx(0.509, abs=5e-4)
+
+
+def test_a_violated_requirement_ends_with_status_1(cli):
+    code, out, _ = cli("sweep", *CORNERS, "--set", "requirements.position_ratio=0.4")
+    assert code == 1
+    assert "violated" in out
+
+
+def test_tables_show_units_and_verdict(cli):
+    code, out, _ = cli("sweep", *CORNERS)
+    assert code == 0
+    assert "delay margin [ms]" in out
+    assert "satisfied" in out
+    assert "rad/s" in out
+
+
+def test_tune_writes_gains_that_sweep_accepts(cli, tmp_path):
+    code, out, _ = cli("tune", "--json", *CORNERS)
+    values = json.loads(out)
+    assert code == 0
+    assert set(values["gains"]) == {"k_p_vel", "k_p_pos", "k_i_pos", "omega", "xi", "tau"}
+    before, after = values["objective"]["before"], values["objective"]["after"]
+    assert after["tracking_index_s"] < before["tracking_index_s"]
+    gains = tmp_path / "out" / "boom" / "gains.toml"
+    code, out, _ = cli("sweep", "--json", "--gains", str(gains), *CORNERS)
+    assert code == 0
+    assert json.loads(out)["position"]["worst_ratio"] == pytest.approx(
+        values["position_worst_ratio"], rel=1e-9
+    )
+
+
+def test_gains_of_another_model_are_refused(cli, tmp_path):
+    cli("tune", "--json", *CORNERS)
+    gains = tmp_path / "out" / "boom" / "gains.toml"
+    code, _, err = cli("sweep", "--gains", str(gains), *CORNERS, "--set", "load.force=5 kN")
+    assert code == 2
+    assert "another model" in err
+
+
+def test_infeasible_tuning_ends_with_status_1_and_names_the_blocking_point(cli):
+    code, out, _ = cli("tune", *CORNERS, "--set", "requirements.velocity_ratio=0.45")
+    assert code == 1
+    assert "infeasible" in out
+    assert "velocity_ratio" in out
+    assert "0.5" in out
+
+
+def test_run_does_the_whole_job(cli, tmp_path):
+    code, out, _ = cli("run", *CORNERS)
+    assert code == 0
+    written = {path.name for path in (tmp_path / "out").rglob("*") if path.is_file()}
+    assert written == {
+        "boom.pdf", "boom.png", "sweep.nc", "gains.toml", "panels.svg", "bode.svg", "moves.svg",
+    }  # fmt: skip
+    assert "Every requirement is met." in out
+
+
+def test_new_study_runs_as_it_stands_and_is_not_overwritten(cli, tmp_path, capsys):
+    assert status(["new", "crane", "--in", str(tmp_path)]) == 0
+    study = tmp_path / "crane" / "study.toml"
+    code, out, err = cli("sweep", *CORNERS, study=study)
+    assert code in {0, 1}, err
+    assert "Eq. 17" in out
+    assert status(["new", "crane", "--in", str(tmp_path)]) == 2
+    assert "exists already" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("name", ["../up", "a/b", "", ".hidden"])
+def test_new_refuses_a_name_that_is_no_folder_name(name, tmp_path, capsys):
+    assert status(["new", name, "--in", str(tmp_path)]) == 2
+    assert list(tmp_path.iterdir()) == []
+    assert "mptune:" in capsys.readouterr().err
+
+
+def test_ledger_is_printed(capsys):
+    assert status(["ledger"]) == 0
+    out = " ".join(capsys.readouterr().out.split())
+    assert "Eq. 11" in out
+    assert "12.2" in out
+
+
+BAD_VALUES = {
+    "wrong unit": ("cylinder.bore", '"80 kg"', "cylinder.bore"),
+    "no unit": ("cylinder.bore", "80", "cylinder.bore"),
+    "unknown key": ("cylinder.boer", '"80 mm"', "did you mean `bore`"),
+    "reversed range": ("uncertainty.mass", '["49 t", "24 t"]', "reversed"),
+    "not a number": ("uncertainty.delay", '["nan ms", "14 ms"]', "finite"),
+    "empty range": ("uncertainty.tau_a", "[]", "uncertainty.tau_a"),
+    "ratio above one": ("requirements.velocity_ratio", "1.5", "velocity_ratio"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_VALUES)
+@pytest.mark.parametrize("command", ["sweep", "run"])
+def test_bad_value_is_one_clear_message_and_status_2(cli, write_study, tmp_path, case, command):
+    key, value, words = BAD_VALUES[case]
+    path = write_study({key: value})
+    code, out, err = cli(command, study=path)
+    assert code == 2
+    assert out == ""
+    assert words in err
+    assert str(path) in err
+    assert "Traceback" not in err
+    assert len(err.strip().splitlines()) == 1
+    assert not (tmp_path / "out").exists()
+
+
+def test_empty_file_folder_and_missing_file_are_bad_input(cli, tmp_path):
+    empty = tmp_path / "empty.toml"
+    empty.write_text("")
+    for path, words in ((empty, "is empty"), (tmp_path, "folder"), (tmp_path / "no", "not exist")):
+        code, _, err = cli("run", study=path)
+        assert code == 2
+        assert words in err
+        assert "Traceback" not in err
+
+
+def test_unwritable_output_folder_is_bad_input_before_any_work(cli, tmp_path):
+    blocked = tmp_path / "file"
+    blocked.write_text("in the way")
+    code, _, err = cli("run", out=blocked / "sub")
+    assert code == 2
+    assert "--out" in err
+    assert blocked.read_text() == "in the way"
+
+
+def test_usage_errors_have_status_2(capsys):
+    for line in (["sweep"], ["nonsense"], ["run", "x", "--no-such-option"]):
+        assert status(line) == 2
+    assert "Traceback" not in capsys.readouterr().err
+
+
+def test_interrupt_has_status_130_and_leaves_nothing(cli, tmp_path, monkeypatch):
+    import mptune.job
+
+    def interrupted(*_, **__):
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(mptune.job, "tune", interrupted)
+    code, _, err = cli("run", *CORNERS)
+    assert code == 130
+    assert "interrupted" in err
+    assert not [path for path in (tmp_path / "out").rglob("*") if path.is_file()]
+
+
+def test_full_disk_has_status_3_and_leaves_nothing_half_written(cli, tmp_path, monkeypatch):
+    import errno
+    import os
+
+    def full(_):
+        raise OSError(errno.ENOSPC, "No space left on device")
+
+    monkeypatch.setattr(os, "fsync", full)
+    code, _, err = cli("tune", *CORNERS)
+    assert code == 3
+    assert "No space left" in err
+    assert not [path for path in (tmp_path / "out").rglob("*") if path.is_file()]
+
+
+def test_unforeseen_error_has_status_3_and_no_traceback(cli, monkeypatch):
+    import mptune.job
+
+    def broken(*_, **__):
+        raise ZeroDivisionError("oops")
+
+    monkeypatch.setattr(mptune.job, "sweep", broken)
+    code, _, err = cli("sweep", *CORNERS)
+    assert code == 3
+    assert "defect" in err
+    assert "Traceback" not in err
+
+
+def test_help_lists_the_commands(capsys):
+    assert status(["--help"]) == 0
+    out = capsys.readouterr().out
+    for command in ("run", "sweep", "tune", "new", "ledger"):
+        assert re.search(rf"^\s+{command}\s", out, re.MULTILINE)

@@ -1,0 +1,146 @@
+"""Gains files: exact, whole, tied to their study."""
+
+from __future__ import annotations
+
+import tomllib
+
+import pytest
+from hypothesis import given
+from hypothesis import strategies as st
+
+from mptune.errors import InputError, OutputError
+from mptune.params.controller import Feedforward
+from mptune.params.gains import GainsFile, now, read_gains, write_gains
+
+HASH = "a" * 64
+
+
+def gains_file(**changes):
+    gains = {"k_p_vel": 7e5, "k_p_pos": 13.0, "k_i_pos": 22.0, "omega": 42.0, "xi": 0.55}
+    values = {
+        "study": "boom",
+        "study_hash": HASH,
+        "version": "0.1.0",
+        "date": now(),
+        "margins": "satisfied",
+        "closed_loop": "not run",
+        "gains": {**gains, "tau": 0.0123},
+        "feedforward": {"acceleration_mass": 20e3},
+        "figures": {"velocity": {"worst_ratio": 0.641, "where": [24500.0, 0.0215]}},
+        **changes,
+    }
+    return GainsFile.model_validate(values, context={"si": True})
+
+
+@pytest.fixture
+def written(tmp_path):
+    path = write_gains(tmp_path / "gains.toml", gains_file())
+    return path, path.read_text(encoding="utf-8")
+
+
+def fault_of(path, text, study_hash=""):
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError) as caught:
+        read_gains(path, study_hash)
+    assert caught.value.where == str(path)
+    (fault,) = caught.value.faults
+    assert fault.rule
+    assert fault.remedy
+    return fault
+
+
+positive = st.floats(min_value=1e-300, max_value=1e300)
+
+
+@given(st.tuples(*[positive] * 6), st.tuples(*[positive] * 3))
+def test_gains_come_back_to_the_last_bit(tmp_path_factory, numbers, leads):
+    names = ("k_p_vel", "k_p_pos", "k_i_pos", "omega", "xi", "tau")
+    feedforward = dict(zip(Feedforward.model_fields, leads, strict=True))
+    file = gains_file(gains=dict(zip(names, numbers, strict=True)), feedforward=feedforward)
+    path = tmp_path_factory.getbasetemp() / "round-trip.toml"
+    assert read_gains(write_gains(path, file)) == file
+
+
+@pytest.mark.parametrize("name", ["", "Kräne №1", 'a "b" \\c', "two\nlines", "\t\x7f\u2028"])
+def test_any_name_of_a_study_comes_back(tmp_path, name):
+    path = write_gains(tmp_path / "gains.toml", gains_file(study=name))
+    assert read_gains(path).study == name
+
+
+def test_the_file_is_plain_toml_in_si_under_the_study_s_own_keys(written):
+    values = tomllib.loads(written[1])
+    assert values["gains"]["k_p_vel"] == 7e5
+    assert values["gains"]["tau"] == 0.0123
+    assert values["feedforward"]["acceleration_mass"] == 20e3
+    assert values["study_hash"] == HASH
+
+
+def test_every_gain_carries_unit_and_symbol_in_a_comment(written):
+    lines = written[1].splitlines()
+    for start, unit, symbol in (
+        ("k_p_vel", "N s/m", "K_P,vel"),
+        ("k_i_pos", "1/s^2", "K_I,pos"),
+        ("omega", "rad/s", "ω"),
+        ("xi", "-", "ξ"),
+        ("acceleration_mass", "kg", "m̂"),
+    ):
+        (line,) = [line for line in lines if line.startswith(start)]
+        assert f"# {unit}, {symbol}," in line
+
+
+def test_gains_of_the_same_study_are_read(written):
+    assert read_gains(written[0], HASH) == gains_file(date=read_gains(written[0]).date)
+
+
+def test_gains_of_another_study_are_refused(written):
+    fault = fault_of(*written, study_hash="b" * 64)
+    assert fault.key == "study_hash"
+    assert "another model" in fault.rule
+    assert "tune or sweep" in fault.remedy
+
+
+@pytest.mark.parametrize(
+    ("old", "new", "key"),
+    [
+        ("k_p_vel = 700000.0", 'k_p_vel = "700 kN s/m"', "gains.k_p_vel"),
+        ("k_p_vel = 700000.0", 'k_p_vel = "700000"', "gains.k_p_vel"),
+        ("k_p_vel = 700000.0", 'k_p_vel = "-5"', "gains.k_p_vel"),
+        ("k_p_vel = 700000.0", "k_p_vel = true", "gains.k_p_vel"),
+        ("k_p_vel = 700000.0", "k_p_vel = -5.0", "gains.k_p_vel"),
+        ("k_p_vel = 700000.0", "k_p_vel = nan", "gains.k_p_vel"),
+        ("k_p_vel = 700000.0", "k_p_vel = inf", "gains.k_p_vel"),
+        ("k_p_vel = 700000.0", "", "gains.k_p_vel"),
+        ("k_p_vel = 700000.0", "k_p_vel = 1.0\nk_p_val = 1.0", "gains.k_p_val"),
+        ('margins = "satisfied"', 'margins = "fine"', "margins"),
+        ('margins = "satisfied"', "", "margins"),
+        (f'study_hash = "{HASH}"', 'study_hash = "abc"', "study_hash"),
+    ],
+)
+def test_a_bad_value_is_refused(written, old, new, key):
+    path, text = written
+    assert old in text
+    assert fault_of(path, text.replace(old, new)).key == key
+
+
+@pytest.mark.parametrize(
+    ("landmark", "after"),
+    [
+        ("[gains]", 0),  # no gains at all
+        ("tau = 0.0123", 0),  # one gain missing
+        ("tau = 0.0123", 10),  # its last digits missing
+        ("[feedforward]", 0),  # the feed-forward missing
+        ("acceleration_mass = 20000.0", 21),  # its last digits missing
+        ("reference_lag", 0),
+    ],
+)
+def test_a_file_that_was_cut_off_is_refused(written, landmark, after):
+    path, text = written
+    path.write_text(text[: text.index(landmark) + after], encoding="utf-8")
+    with pytest.raises(InputError):
+        read_gains(path)
+
+
+def test_gains_that_cannot_be_written_are_an_output_error(tmp_path):
+    (tmp_path / "file").write_text("x")
+    with pytest.raises(OutputError):
+        write_gains(tmp_path / "file" / "gains.toml", gains_file())
