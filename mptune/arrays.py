@@ -65,7 +65,7 @@ def _cache_folder() -> str | None:
     return str(folder) if os.access(folder, os.W_OK) else None
 
 
-def _compiled(function: _Function, *, parallel: bool) -> _Function:
+def _compiled(function: _Function, *, parallel: bool = False, inline: str = "never") -> _Function:
     folder = _cache_folder()
     # Numba reads its cache folder when a function is decorated; other users of numba in this
     # process keep theirs.
@@ -73,8 +73,13 @@ def _compiled(function: _Function, *, parallel: bool) -> _Function:
     previous = settings.CACHE_DIR
     settings.CACHE_DIR = folder or previous
     try:
-        decorate = numba.njit(
-            cache=folder is not None, nogil=True, error_model="numpy", parallel=parallel
+        njit: Any = numba.njit
+        decorate = njit(
+            cache=folder is not None,
+            nogil=True,
+            error_model="numpy",
+            parallel=parallel,
+            inline=inline,
         )
         return cast("_Function", decorate(function))
     finally:
@@ -83,7 +88,12 @@ def _compiled(function: _Function, *, parallel: bool) -> _Function:
 
 def kernel(function: _Function) -> _Function:
     """Compile a function of plain numbers, tuples and arrays."""
-    return _compiled(function, parallel=False)
+    return _compiled(function)
+
+
+def inlined_kernel(function: _Function) -> _Function:
+    """Compile a function into each of its callers: for inner loops that a call would slow down."""
+    return _compiled(function, inline="always")
 
 
 def parallel_kernel(function: _Function) -> _Function:

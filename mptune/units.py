@@ -137,7 +137,7 @@ def number(value: float, digits: int = 4) -> str:
     return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
 
 
-def shown(value: float | str | tuple[float, ...], unit: str, *, ranged: bool = False) -> str:
+def shown(value: Any, unit: str, *, ranged: bool = False) -> str:
     """Return a quantity in SI in the unit that people read it in.
 
     A tuple is a list, or with ``ranged`` a smallest and a largest value; a text stays as it is.
@@ -147,5 +147,11 @@ def shown(value: float | str | tuple[float, ...], unit: str, *, ranged: bool = F
     factor, name = DISPLAY.get(unit, (1.0, "" if unit == "1" else unit))
     name = re.sub(r"\^(-?\d)(?![.\d])", lambda power: power[1].translate(_SUPERSCRIPTS), name)
     values = value if isinstance(value, tuple) else (value,)
-    text = ("–" if ranged else ", ").join(number(factor * one) for one in values)
+    texts = [
+        "–".join(number(factor * end) for end in one)
+        if isinstance(one, tuple)
+        else number(factor * one)
+        for one in values
+    ]
+    text = ("–" if ranged else ", ").join(texts)
     return f"{text} {name}".rstrip()

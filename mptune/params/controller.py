@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Literal, Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from mptune.params.section import Section, quantity, refuse
 
@@ -28,6 +28,15 @@ class Controller(Section):
     velocity_tolerance: float = quantity("m/s", "v_tol", "stopping tolerance", at_least=0)
     position_tolerance_stop: float = quantity("m", "x_tol1", "stopping tolerance", at_least=0)
     position_tolerance_start: float = quantity("m", "x_tol2", "starting tolerance", at_least=0)
+    position_noise: float = quantity("m", "σ_x", "noise of the position sensor, rms", at_least=0)
+    pressure_noise: float = quantity("Pa", "σ_p", "noise of a pressure sensor, rms", at_least=0)
+    converter_noise: float = quantity("m", "σ_c", "noise of a converter sensor, rms", at_least=0)
+    converter_flow: Literal["predicted", "present", "mean"] = Field(
+        "predicted", description="pressures from which Eq. 7 takes Q_conv"
+    )
+    delay_prediction: float = quantity(
+        "s", "d_p", "valve delay predicted through before deciding; 0 for none", 0.0, at_least=0
+    )
     weight_switching: float = quantity("N", "W_sw", "weight of one valve switch", at_least=0)
     weight_loss: float = quantity("N/J", "W_loss", "weight of energy losses", at_least=0)
     weight_converter: float = quantity(

@@ -88,10 +88,17 @@ class Valves(Section):
         "m^3/(s Pa^0.5)", "K_v", "flow coefficient of one valve", above=0
     )
     delay: Range = quantity("s", "d_v", "valve delay, opening ramp included", at_least=0)
+    ramp: float = quantity("s", "r_v", "opening ramp, part of the valve delay", above=0)
     computation_delay: Range = quantity("s", "d_c", "computational delay", at_least=0)
     transition_pressure: float = quantity(
         "Pa", "p_tr", "pressure difference below which the orifice is smoothed", above=0
     )
+
+    @model_validator(mode="after")
+    def _ramp_is_part_of_the_delay(self) -> Self:
+        if self.ramp > self.delay[0]:
+            refuse("has a ramp longer than its smallest delay, of which it is a part", "shorten it")
+        return self
 
 
 class Supplies(Section):
@@ -102,6 +109,7 @@ class Supplies(Section):
     pump_on: float = quantity("Pa", "p_on", "pressure at which the pump starts", above=0)
     pump_off: float = quantity("Pa", "p_off", "pressure at which the pump stops", above=0)
     pump_flow: float = quantity("m^3/s", "Q_pump", "flow of the pump", above=0)
+    relief_pressure: float = quantity("Pa", "p_rel", "opening pressure of the relief", above=0)
     accumulator_volume: float = quantity("m^3", "V_acc", "accumulator volume", above=0)
     accumulator_precharge: float = quantity("Pa", "p_pre", "gas precharge", above=0)
     accumulator_exponent: float = quantity("1", "n", "polytropic exponent of the gas", at_least=1)
@@ -117,6 +125,10 @@ class Supplies(Section):
             refuse("has a low_pressure not below its high_pressure", "check both pressures")
         if not self.pump_on < self.pump_off:
             refuse("has a pump_on pressure not below pump_off", "check both pressures")
+        if not self.accumulator_precharge < self.pump_on:
+            refuse("has an accumulator_precharge not below pump_on", "the gas would stay expanded")
+        if not self.pump_off <= self.relief_pressure:
+            refuse("has a relief_pressure below pump_off", "raise the relief_pressure")
         return self
 
 

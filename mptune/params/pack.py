@@ -46,6 +46,81 @@ class MeasurementPath(NamedTuple):
     filter_time: float  # s, its time constant
 
 
+class Machine(NamedTuple):
+    """One machine of Eq. 1 to Eq. 4, all in SI."""
+
+    area_a: float
+    area_b: float
+    stroke: float
+    dead_a: float  # V_0,A + V_h,A
+    dead_b: float
+    hose_a: float  # V_h,A
+    hose_b: float
+    oil: float  # B_oil
+    hose: float  # B_h
+    flow_coefficient: float
+    transition_pressure: float
+    mass: float
+    load: float
+    friction_coulomb: float
+    friction_static: float
+    friction_viscous: float
+    friction_velocity: float
+    low_pressure: float
+    pump_on: float
+    pump_off: float
+    pump_flow: float
+    relief_pressure: float
+    accumulator_volume: float
+    accumulator_precharge: float
+    accumulator_exponent: float
+    converter_area: float
+    converter_travel: float
+    converter_friction: float
+
+
+class ForceSettings(NamedTuple):
+    """What the force controller knows and wants, §2.2 and §2.3."""
+
+    area_a: float
+    area_b: float
+    stroke: float
+    dead_a: float
+    dead_b: float
+    hose_a: float
+    hose_b: float
+    oil: float  # B̂_oil
+    hose: float
+    flow_coefficient: float
+    transition_pressure: float
+    sampling_period: float
+    pressure_min: float
+    pressure_max: float
+    weight_switching: float
+    weight_loss: float
+    weight_converter: float
+    predicted_share: float  # of Eq. 7's Q_conv: 1 predicted, 0 present, 1/2 mean
+    delay_prediction: float
+
+
+class SignalSettings(NamedTuple):
+    """Filters, tolerances and noise, §5.2 and Table 2."""
+
+    sample_time: float
+    ticks: int  # fast samples in one sampling period
+    position_pole: float
+    pressure_pole: float
+    supply_pole: float
+    backlash: float
+    dead_zone: float
+    velocity_tolerance: float
+    stop_tolerance: float  # x_tol1
+    start_tolerance: float  # x_tol2
+    position_noise: float
+    pressure_noise: float
+    converter_noise: float
+
+
 NO_PATH = MeasurementPath(0.0, 0.0, 0.0)
 
 
@@ -71,3 +146,82 @@ def pack_path(study: ResolvedStudy) -> MeasurementPath:
 def pack_nominal(study: ResolvedStudy) -> NominalPlant:
     """Return the nominal plant as a kernel tuple."""
     return NominalPlant(study.uncertainty.nominal_mass, study.uncertainty.nominal_delay)
+
+
+def pack_machine(
+    study: ResolvedStudy, mass: float, oil_bulk_modulus: float, load: float
+) -> Machine:
+    """Return one machine as a kernel tuple."""
+    cylinder, hose, valves = study.study.cylinder, study.study.hose, study.study.valves
+    supplies, outer = study.study.supplies, study.study.load
+    return Machine(
+        area_a=cylinder.area_a,
+        area_b=cylinder.area_b,
+        stroke=cylinder.stroke,
+        dead_a=cylinder.dead_volume_a + hose.volume_a,
+        dead_b=cylinder.dead_volume_b + hose.volume_b,
+        hose_a=hose.volume_a,
+        hose_b=hose.volume_b,
+        oil=oil_bulk_modulus,
+        hose=hose.bulk_modulus,
+        flow_coefficient=valves.flow_coefficient,
+        transition_pressure=valves.transition_pressure,
+        mass=mass,
+        load=load,
+        friction_coulomb=outer.friction_coulomb,
+        friction_static=outer.friction_static,
+        friction_viscous=outer.friction_viscous,
+        friction_velocity=outer.friction_velocity,
+        low_pressure=supplies.low_pressure,
+        pump_on=supplies.pump_on,
+        pump_off=supplies.pump_off,
+        pump_flow=supplies.pump_flow,
+        relief_pressure=supplies.relief_pressure,
+        accumulator_volume=supplies.accumulator_volume,
+        accumulator_precharge=supplies.accumulator_precharge,
+        accumulator_exponent=supplies.accumulator_exponent,
+        converter_area=supplies.converter_area,
+        converter_travel=supplies.converter_travel,
+        converter_friction=supplies.converter_friction,
+    )
+
+
+def pack_force(study: ResolvedStudy) -> ForceSettings:
+    """Return the force controller's settings as a kernel tuple."""
+    machine = pack_machine(study, 1.0, study.study.oil.bulk_modulus_estimate, 0.0)
+    controller = study.study.controller
+    return ForceSettings(
+        *machine[:11],
+        sampling_period=controller.sampling_period,
+        pressure_min=controller.pressure_min,
+        pressure_max=controller.pressure_max,
+        weight_switching=controller.weight_switching,
+        weight_loss=controller.weight_loss,
+        weight_converter=controller.weight_converter,
+        predicted_share={"predicted": 1.0, "present": 0.0, "mean": 0.5}[controller.converter_flow],
+        delay_prediction=controller.delay_prediction,
+    )
+
+
+def pack_signals(controller: Controller) -> SignalSettings:
+    """Return filters, tolerances and noise as a kernel tuple."""
+    sample_time = controller.fast_sampling_period
+
+    def pole(time_constant: float) -> float:
+        return math.exp(-sample_time / time_constant)
+
+    return SignalSettings(
+        sample_time=sample_time,
+        ticks=controller.ticks,
+        position_pole=pole(controller.position_filter),
+        pressure_pole=pole(controller.pressure_filter),
+        supply_pole=pole(controller.supply_filter),
+        backlash=controller.converter_backlash,
+        dead_zone=controller.dead_zone,
+        velocity_tolerance=controller.velocity_tolerance,
+        stop_tolerance=controller.position_tolerance_stop,
+        start_tolerance=controller.position_tolerance_start,
+        position_noise=controller.position_noise,
+        pressure_noise=controller.pressure_noise,
+        converter_noise=controller.converter_noise,
+    )

@@ -102,7 +102,7 @@ def refuse(rule: str, remedy: str) -> NoReturn:
 
 
 def _is_range(field: FieldInfo) -> bool:
-    return str(Range) in str(field.annotation)
+    return str(Range) in str(field.annotation) and not _is_list(field)
 
 
 def _convert(value: Any, extra: dict[str, Any]) -> Any:

@@ -36,7 +36,7 @@ def first_grid(low: float, high: float) -> FloatArray:
     return np.geomspace(low, high, FREQUENCIES)
 
 
-def refinement(omega: FloatArray, values: FloatArray, within: float = 0.05) -> FloatArray:
+def refinement(omega: FloatArray, values: FloatArray, within: float = 0.2) -> FloatArray:
     """Return new frequencies on both sides of every peak that is nearly the highest.
 
     Parameters

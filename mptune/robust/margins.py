@@ -19,6 +19,9 @@ if TYPE_CHECKING:
     from mptune.params.pack import LoopGains, MeasurementPath, Plants
 
 _GOLDEN = (5**0.5 - 1) / 2
+_BEYOND = 40  # frequencies that continue the grid
+_SHORTEST_DELAY = 1e-4  # s
+_NEARLY = 0.4  # of the highest grid value: lower peaks are not refined
 _PEAK_STEPS = 25  # of a golden section: 6e-6 of the grid step, 1e-11 of a smooth peak
 _CROSSING_STEPS = 40  # of a bisection: 1e-12 of the grid step
 _SENSITIVITY, _COMPLEMENTARY, _DISK = 0, 1, 2
@@ -54,8 +57,14 @@ def family_margins(
     gains: LoopGains,
     path: MeasurementPath,
 ) -> Margins:
-    """Return the margins of every plant, from the frequencies ``omega`` ``(F,)`` refined."""
-    table = _family_margins(omega, plants, share_a, gains, path)
+    """Return the margins of every plant, from the frequencies ``omega`` ``(F,)`` refined.
+
+    The grid is continued to where any loop with dead time d has turned by π once more, ω = 2π/d,
+    so that no gain margin lies beyond it.
+    """
+    beyond = max(float(omega[-1]), 2 * np.pi / max(float(plants.delay.min()), _SHORTEST_DELAY))
+    wide = np.union1d(omega, np.geomspace(omega[-1], beyond, _BEYOND))
+    table = _family_margins(wide, plants, share_a, gains, path)
     return Margins(*np.moveaxis(table, 2, 0))
 
 
@@ -108,20 +117,14 @@ def _margins(
 ) -> FloatArray:
     points = len(omega)
     loop = np.empty(points, np.complex128)
-    top = np.zeros(3, np.int64)
-    height = np.zeros(3)
+    size = np.empty((3, points))
     for f in range(points):
         loop[f] = _gain(which, omega[f], plant, gains, path)
         for kind in range(3):
-            size = _size(kind, loop[f])
-            if size > height[kind]:
-                height[kind] = size
-                top[kind] = f
+            size[kind, f] = _size(kind, loop[f])
     row = np.full(14, np.nan)
     for kind in range(3):
-        low, high = omega[max(top[kind] - 1, 0)], omega[min(top[kind] + 1, points - 1)]
-        at = _peak(kind, which, low, high, plant, gains, path)
-        peak = _size(kind, _gain(which, at, plant, gains, path))
+        peak, at = _highest_peak(kind, which, omega, size[kind], plant, gains, path)
         column = 12 if kind == _DISK else 2 * kind
         row[column] = 1 / peak if kind == _DISK else peak
         row[column + 1] = at
@@ -132,6 +135,33 @@ def _margins(
         if (abs(loop[f]) > 1) != (abs(loop[f + 1]) > 1):
             _note_phase_crossing(row, which, omega[f], omega[f + 1], plant, gains, path)
     return row
+
+
+@kernel
+def _highest_peak(
+    kind: int,
+    which: int,
+    omega: FloatArray,
+    size: FloatArray,
+    plant: tuple[float, float, float, float, float],
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> tuple[float, float]:
+    """Return the highest value and its frequency, having refined every peak that may hold it."""
+    last = len(omega) - 1
+    top = np.argmax(size)
+    height, at = size[top], omega[top]
+    floor = _NEARLY * height
+    for f in range(last + 1):
+        if size[f] < floor or size[f] < size[max(f - 1, 0)] or size[f] < size[min(f + 1, last)]:
+            continue
+        place = _peak(
+            kind, which, omega[max(f - 1, 0)], omega[min(f + 1, last)], plant, gains, path
+        )
+        value = _size(kind, _gain(which, place, plant, gains, path))
+        if value > height:
+            height, at = value, place
+    return height, at
 
 
 @kernel

@@ -33,7 +33,8 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
 
 CONVERGED = 1e-4  # relative change of the worst ratio between refinements
-_ROUNDS = 30
+_NARROW = 1e-3  # of the frequency: a maximum is bracketed at least so closely
+_ROUNDS = 40
 
 
 def sweep(study: ResolvedStudy, gains: Gains | None = None) -> SweepResult:
@@ -91,28 +92,41 @@ def _refined_sides(
     low, high = frequency_range(plants, nominal, gains)
     omega = first_grid(low, high)
     found = sides(omega, plants, nominal, share_a, gains, path)
-    settled = np.zeros(2, np.bool_)
+    quiet = np.zeros(4, np.int64)  # rounds in a row in which a maximum stood still
     for _ in range(_ROUNDS):
-        uses = [found.ratio[loop] / allowed_ratio(limits[loop], omega) for loop in range(2)]
-        curves = [*found.ratio, *uses]
+        curves = _curves(found, omega, limits)
         new = [refinement(omega, curve) for curve in curves]
         if any(int(np.argmax(curve)) == 0 for curve in curves):
             new.append(omega[0] / np.array([10.0, 3.0]))  # the worst may lie lower still
-        before = np.array([curve.max() for curve in curves])
+        before = curves.max(axis=1)
         added = np.unique(np.concatenate(new))
         omega = np.concatenate([omega, added])
         order = np.argsort(omega)
         omega = omega[order]
         found = _merged(found, sides(added, plants, nominal, share_a, gains, path), order)
-        after = np.array(
-            [*found.ratio.max(axis=1)]
-            + [(found.ratio[i] / allowed_ratio(limits[i], omega)).max() for i in range(2)]
-        )
-        still = np.abs(after - before) <= CONVERGED / 10 * after
-        settled = still[:2] & still[2:]
-        if settled.all():
+        curves = _curves(found, omega, limits)
+        after = curves.max(axis=1)
+        narrow = np.array([_bracket(omega, curve) <= _NARROW for curve in curves])
+        still = narrow & (np.abs(after - before) <= CONVERGED / 10 * after)
+        quiet = np.where(still, quiet + 1, 0)
+        if np.all(quiet >= 2):
             break
-    return omega, found, (bool(settled[0]), bool(settled[1]))
+    settled = quiet >= 2
+    return omega, found, (bool(settled[0] and settled[2]), bool(settled[1] and settled[3]))
+
+
+def _curves(found: Sides, omega: FloatArray, limits: tuple[float | RatioCurve, ...]) -> FloatArray:
+    """Return both ratios, and both over what is allowed, ``(4, F)``."""
+    allowed = np.stack([allowed_ratio(limit, omega) for limit in limits])
+    return np.concatenate([found.ratio, found.ratio / allowed])
+
+
+def _bracket(omega: FloatArray, curve: FloatArray) -> float:
+    """Return the width, relative to frequency, in which the maximum is known to lie."""
+    worst = int(np.argmax(curve))
+    if worst == 0:
+        return 0.0  # the limit of vanishing frequency has no lower end
+    return float((omega[min(worst + 1, len(omega) - 1)] - omega[worst - 1]) / omega[worst])
 
 
 def _merged(old: Sides, new: Sides, order: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Sides:

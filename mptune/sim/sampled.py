@@ -51,7 +51,7 @@ class LinearMove:
     Attributes
     ----------
     mass_kg, valve_delay_s, oil_bulk_modulus_pa
-        The machine; the delay is that of valve and computation.
+        The machine; the delay is the mean of the valve's plus the largest of computation.
     stable
         Whether the movement ended near its reference instead of growing without bound.
     performance_index_ms
@@ -88,7 +88,8 @@ def linear_moves(
     ticks = round(float(moves[:, 1:].sum()) / path.sample_time)
     results = []
     for mass in machine.verification.masses:
-        for delay in machine.verification.valve_delays:
+        for pair in machine.verification.delay_ranges():
+            delay = sum(pair) / 2 + machine.valves.computation_delay[1]
             for modulus in machine.verification.oil_bulk_moduli:
                 tau_a, tau_b = time_constants_at(study, modulus, machine.verification.start)
                 plant = SampledPlant(mass, delay, tau_a, tau_b, machine.cylinder.share_a)

@@ -43,7 +43,7 @@ def test_both_sides_of_the_cylinder_are_alike(s, tau_a, tau_b, share_a):
 
 @given(right_half_plane, sample_times)
 def test_the_differentiator_is_an_average_of_delays(s, sample_time):
-    if s != 0:
+    if abs(s) > 1e-200:  # below, floats lose their digits
         assert abs(differentiator_over_s(s, sample_time)) <= ALMOST_ONE
 
 

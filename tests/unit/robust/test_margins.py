@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mptune.loops.broken import FORCE, VELOCITY
-from mptune.params.pack import NO_PATH, LoopGains, Plants
+from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
+from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.margins import family_margins
 
 GRID = np.geomspace(0.01, 3000, 300)
@@ -97,3 +98,49 @@ def test_each_plant_has_its_own_row_and_column():
         alone = margins_of(mass, 0.011)
         for name in both._fields:
             np.testing.assert_array_equal(getattr(both, name)[:, index], getattr(alone, name)[:, 0])
+
+
+def grid_of(plant, gains):
+    """Return the first grid of a sweep, on which margins are looked for."""
+    plants = Plants(*(np.array([value]) for value in plant))
+    nominal = NominalPlant(plant[0], plant[1])
+    return plants, first_grid(*frequency_range(plants, nominal, gains))
+
+
+# Well damped loops with two peaks of about the same height, the higher one between grid points.
+TWO_PEAKS = [
+    (
+        LoopGains(1478058.5, 1.4186197, 57.514607, 159.94206, 1.0959395, 0.024397602),
+        (19694.548, 0.0051998228, 5.0093897e-05, 0.006880777),
+        NO_PATH,
+    ),
+    (
+        LoopGains(1122348.6, 1.5543985, 61.521339, 71.381598, 0.42946586, 0.014015845),
+        (22623.906, 0.0092275257, 0.01413633, 0.0073945964),
+        MeasurementPath(0.0005, float(np.exp(-0.0005 / 0.012)), 0.012),
+    ),
+]
+
+
+@pytest.mark.parametrize(("gains", "plant", "path"), TWO_PEAKS, ids=["no path", "filters"])
+def test_the_higher_of_two_peaks_is_found_though_the_grid_shows_it_lower(gains, plant, path):
+    plants, omega = grid_of(plant, gains)
+    dense = np.geomspace(omega[0], omega[-1], 100 * len(omega))
+    coarse, fine = (family_margins(w, plants, 4 / 7, gains, path) for w in (omega, dense))
+    names = ("sensitivity_peak", "complementary_peak", "disk_margin")
+    for name in names:
+        found, expected = getattr(coarse, name)[:, 0], getattr(fine, name)[:, 0]
+        print(f"{name}: {found} on the sweep's grid, {expected} on one 100 times denser")
+    for name in names:
+        np.testing.assert_allclose(getattr(coarse, name), getattr(fine, name), rtol=1e-4)
+
+
+def test_a_gain_margin_beyond_the_grid_s_end_is_not_called_endless():
+    gains = LoopGains(404549.67, 15.110692, 59.322662, 87.612391, 1.3939068, 0.023977577)
+    plants, omega = grid_of((51765.619, 0.0012410238, 0.0094302377, 0.0019866358), gains)
+    margins = family_margins(omega, plants, 4 / 7, gains, NO_PATH)
+    wide = family_margins(np.geomspace(omega[0], 1e5, 20000), plants, 4 / 7, gains, NO_PATH)
+    print(
+        f"gain margin: {margins.gain_margin[0, 0]} on the grid, {wide.gain_margin[0, 0]:.1f} wide"
+    )
+    np.testing.assert_allclose(margins.gain_margin, wide.gain_margin, rtol=1e-6)

@@ -1,0 +1,1 @@
+"""The model-based force controller: Eq. 5 to Eq. 10."""

@@ -1,0 +1,114 @@
+"""The whole machine as a differential equation: Eq. 1 to Eq. 4 with its supplies.
+
+State, SI: piston position and velocity, chamber pressures A and B, four converter positions, oil in
+the accumulator; then the energies that the state has cost so far.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mptune.arrays import FloatArray, inlined_kernel, kernel
+from mptune.plant.bulk import effective_bulk_modulus
+from mptune.plant.flow import orifice
+from mptune.plant.piston import friction
+from mptune.plant.supplies import CONVERTERS, SUPPLIES, accumulator_pressure, port_pressure, share
+
+if TYPE_CHECKING:
+    from mptune.params.pack import Machine
+
+X, V, PRESSURE_A, PRESSURE_B, CONVERTER, OIL = 0, 1, 2, 3, 4, 8
+STATES = 9
+# Energies [J], all since the start; see ``powers``.
+PUMP, ACCUMULATOR, TANK, PISTON, THROTTLING, CONVERTER_FRICTION, COMPRESSION, RELIEF = range(8)
+ENERGIES = 8
+
+_RELIEF_GRADIENT = 1e-9  # m³/(s Pa) above the relief pressure
+
+
+@kernel
+def _pressure_rate(pressure: float, rate: float) -> float:
+    """Return the rate of a chamber's pressure; cavitation holds it at its floor of 0 Pa."""
+    return 0.0 if pressure <= 0 and rate < 0 else rate
+
+
+@inlined_kernel
+def rates(
+    state: FloatArray,
+    open_a: FloatArray,
+    open_b: FloatArray,
+    pumping: float,
+    machine: Machine,
+    slope: FloatArray,
+    power: FloatArray,
+) -> None:
+    """Fill ``slope`` ``(9,)`` with the state's time derivative and ``power`` ``(8,)`` with powers.
+
+    Parameters
+    ----------
+    state
+        ``(9,)``.
+    open_a, open_b
+        ``(6,)`` open valves between each supply and the chamber, 0 to 2.
+    pumping
+        1 while the pump runs, else 0.
+    machine
+        Parameters.
+    """
+    x, v = state[X], state[V]
+    pressure_a, pressure_b = state[PRESSURE_A], state[PRESSURE_B]
+    high = accumulator_pressure(state[OIL], machine)
+    low = machine.low_pressure
+    flow_a, flow_b, from_high, from_low, throttled, rubbed = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    for i in range(CONVERTERS):
+        slope[CONVERTER + i] = 0.0
+    for supply in range(SUPPLIES):
+        if open_a[supply] == 0 and open_b[supply] == 0:
+            continue
+        alpha = share(supply)
+        pressure = low + alpha * (high - low)
+        ideal = pressure
+        converter = supply - 1
+        if 0 <= converter < CONVERTERS:
+            place = state[CONVERTER + converter]
+            blocked = 0
+            if abs(place) >= machine.converter_travel:
+                blocked = 1 if place > 0 else -1
+            pressure = port_pressure(
+                ideal, open_a[supply], open_b[supply], pressure_a, pressure_b, blocked, machine
+            )
+        to_a, to_b = pressure - pressure_a, pressure - pressure_b
+        scale, tr = machine.flow_coefficient, machine.transition_pressure
+        into_a = scale * open_a[supply] * orifice(to_a, tr)  # Eq. 2
+        into_b = scale * open_b[supply] * orifice(to_b, tr)
+        drawn = into_a + into_b
+        flow_a += into_a
+        flow_b += into_b
+        throttled += into_a * to_a + into_b * to_b
+        from_high += alpha * drawn
+        from_low += (1 - alpha) * drawn
+        if 0 <= converter < CONVERTERS:
+            slope[CONVERTER + converter] = -drawn / machine.converter_area
+            rubbed += (ideal - pressure) * drawn
+    volume_a = machine.area_a * x + machine.dead_a
+    volume_b = machine.area_b * (machine.stroke - x) + machine.dead_b
+    bulk_a = effective_bulk_modulus(machine.oil, machine.hose, machine.hose_a, volume_a)
+    bulk_b = effective_bulk_modulus(machine.oil, machine.hose, machine.hose_b, volume_b)
+    squeezed_a = flow_a - machine.area_a * v
+    squeezed_b = flow_b + machine.area_b * v
+    slope[PRESSURE_A] = _pressure_rate(pressure_a, bulk_a / volume_a * squeezed_a)  # Eq. 1, line 1
+    slope[PRESSURE_B] = _pressure_rate(pressure_b, bulk_b / volume_b * squeezed_b)  # Eq. 1, line 2
+    force = machine.area_a * pressure_a - machine.area_b * pressure_b
+    slope[X] = v
+    slope[V] = (force - friction(v, machine) - machine.load) / machine.mass  # Eq. 1, line 3
+    pumped = pumping * machine.pump_flow
+    relieved = max(high - machine.relief_pressure, 0.0) * _RELIEF_GRADIENT
+    slope[OIL] = pumped - from_high - relieved
+    power[PUMP] = high * pumped
+    power[ACCUMULATOR] = high * from_high
+    power[TANK] = low * from_low
+    power[PISTON] = force * v
+    power[THROTTLING] = throttled
+    power[CONVERTER_FRICTION] = rubbed
+    power[COMPRESSION] = pressure_a * squeezed_a + pressure_b * squeezed_b
+    power[RELIEF] = high * relieved

@@ -1,0 +1,139 @@
+"""The six supply pressures: accumulator, pump, tank line and four converter cylinders (Fig. 1).
+
+Supply 1 is the tank-side line, supply 6 the accumulator. Converter i, of four, feeds supply i + 1:
+flow drawn from its port moves its piston, and a share α of that flow comes from the accumulator,
+the rest from the tank-side line, so that its pressure stands at that share between the two.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING
+
+from mptune.arrays import inlined_kernel, kernel
+from mptune.plant.flow import orifice, orifice_slope
+
+if TYPE_CHECKING:
+    from mptune.params.pack import Machine
+
+SUPPLIES = 6
+CONVERTERS = 4
+
+_FRICTION_FLOW = 2e-6  # m³/s: below it converter friction is proportional to flow
+_ITERATIONS = 40
+_ENOUGH = 1.0  # Pa, of a Newton step; the next would be far smaller
+
+
+@kernel
+def share(supply: int) -> float:
+    """Return α of supply 0 to 5: its pressure's place between tank line and accumulator."""
+    return supply / 5.0
+
+
+@kernel
+def accumulator_pressure(oil: float, machine: Machine) -> float:
+    """Return p_HP [Pa] with ``oil`` [m³] in the accumulator; the gas is polytropic."""
+    gas = machine.accumulator_volume - max(oil, 0.0)
+    compression: float = (machine.accumulator_volume / gas) ** machine.accumulator_exponent
+    return machine.accumulator_precharge * compression
+
+
+def oil_at_pressure(pressure: float, machine: Machine) -> float:
+    """Return the oil in the accumulator [m³] at a pressure [Pa] above its precharge."""
+    ratio = machine.accumulator_precharge / pressure
+    return machine.accumulator_volume * (1 - math.pow(ratio, 1 / machine.accumulator_exponent))
+
+
+@inlined_kernel
+def port_pressure(
+    ideal: float,
+    open_a: float,
+    open_b: float,
+    pressure_a: float,
+    pressure_b: float,
+    blocked: int,
+    machine: Machine,
+) -> float:
+    """Return the pressure at a converter's port [Pa].
+
+    The port's net flow q, out of it into both chambers, rises with its pressure p, and friction
+    lowers the pressure with the flow: p = ideal − friction(q), a monotone equation in p. A piston
+    at its end (``blocked`` +1: it cannot fill further; −1: it cannot give more) lets no flow pass
+    in that direction; the chambers then exchange through the port at the pressure where q = 0.
+
+    Parameters
+    ----------
+    ideal
+        Pressure without friction [Pa].
+    open_a, open_b
+        Open valves towards both chambers, 0 to 2 each.
+    pressure_a, pressure_b
+        Chamber pressures [Pa].
+    blocked
+        0, or the end at which the piston stands.
+    """
+    free = _solved(
+        ideal, open_a, open_b, pressure_a, pressure_b, machine.converter_friction, machine
+    )
+    if blocked == 0:
+        return free
+    flow = _net_flow(free, open_a, open_b, pressure_a, pressure_b, machine)
+    if flow * blocked >= 0:
+        return free
+    return _solved(0.0, open_a, open_b, pressure_a, pressure_b, -1.0, machine)
+
+
+@inlined_kernel
+def _net_flow(
+    pressure: float, open_a: float, open_b: float, pressure_a: float, pressure_b: float, m: Machine
+) -> float:
+    towards_a = open_a * orifice(pressure - pressure_a, m.transition_pressure)
+    towards_b = open_b * orifice(pressure - pressure_b, m.transition_pressure)
+    return m.flow_coefficient * (towards_a + towards_b)
+
+
+@inlined_kernel
+def _solved(
+    ideal: float,
+    open_a: float,
+    open_b: float,
+    pressure_a: float,
+    pressure_b: float,
+    friction: float,
+    m: Machine,
+) -> float:
+    """Solve p + friction · s(q(p)) = ideal, or q(p) = 0 where friction is negative.
+
+    Newton's method inside a bracket that shrinks at every step, so that it cannot run away.
+    """
+    if friction >= 0:
+        low, high = ideal - friction, ideal + friction
+    else:
+        low, high = min(pressure_a, pressure_b), max(pressure_a, pressure_b)
+    # A first guess that is nearly right: the chambers' pressure where friction can hold it.
+    both = open_a + open_b
+    pressure = min(max((open_a * pressure_a + open_b * pressure_b) / both, low), high)
+    for _ in range(_ITERATIONS):
+        to_a, to_b = pressure - pressure_a, pressure - pressure_b
+        tr = m.transition_pressure
+        flow = m.flow_coefficient * (open_a * orifice(to_a, tr) + open_b * orifice(to_b, tr))
+        slope = m.flow_coefficient * (
+            open_a * orifice_slope(to_a, tr) + open_b * orifice_slope(to_b, tr)
+        )
+        if friction >= 0:
+            root = math.sqrt(flow * flow + _FRICTION_FLOW**2)
+            excess = pressure - ideal + friction * flow / root
+            slope = 1 + friction * slope * _FRICTION_FLOW**2 / root**3
+        else:
+            excess = flow
+        if excess > 0:
+            high = pressure
+        else:
+            low = pressure
+        step = excess / slope
+        pressure -= step
+        if not low <= pressure <= high:
+            pressure = 0.5 * (low + high)
+        if abs(step) < _ENOUGH or high - low < _ENOUGH:
+            break
+    return pressure

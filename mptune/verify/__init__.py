@@ -1,0 +1,1 @@
+"""Gains proven on the nonlinear machine."""

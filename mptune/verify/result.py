@@ -1,0 +1,146 @@
+"""What a verification found: one frozen result per machine, with a status and §7's figures."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from enum import StrEnum
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from mptune.arrays import FloatArray
+    from mptune.params.controller import Gains
+    from mptune.params.study import ResolvedStudy
+
+
+class CaseStatus(StrEnum):
+    """How the closed loop behaved."""
+
+    STABLE = "stable"
+    LIMIT_CYCLE = "limit cycle"  # sustained oscillation about the velocity reference
+    SATURATED = "saturated"  # the force reference stood at its limit
+    LIMIT_BROKEN = "limit broken"  # piston or converter at its end, or a supply ran empty
+    NOT_FINITE = "not finite"  # the simulation left the numbers that it can hold
+
+
+@dataclass(frozen=True)
+class SetFigures:
+    """§7's figures of one movement set, in §7's units."""
+
+    performance_index_ms: float  # peak position error over peak velocity
+    energy_loss_j_per_mm: float  # accumulator power less piston power, per travel
+    pump_loss_j_per_mm: float  # pump power less piston power (§7.1), which varies with its phase
+    force_error_integral_kn2s: float  # while the controller is active
+    final_error_mm: float  # largest at the end of a rest
+    peak_velocity_mm_s: float
+    valve_switches: int
+    converter_peak_mm: float
+    pressure_min_mpa: float
+    pressure_max_mpa: float
+    energy_residual: float  # what the energies fail to close by, over the energy put in
+    oscillation: int  # longest run of alternating large velocity deviations
+    saturated_s: float  # time with the force reference at its limit
+
+
+@dataclass(frozen=True)
+class CaseResult:
+    """One machine's verification.
+
+    Attributes
+    ----------
+    sets
+        The figures of every movement set but the first, which is left out of statistics.
+    broken, broken_at_s
+        Which limit was broken first, and when; empty and NaN where none was.
+    traces
+        ``(T, 15)`` of the last set, columns as in ``mptune.sim.closed_loop``.
+    """
+
+    mass_kg: float
+    valve_delay_s: tuple[float, float]
+    oil_bulk_modulus_pa: float
+    load_force_n: float
+    seed: int
+    status: CaseStatus
+    broken: str
+    broken_at_s: float
+    sets: tuple[SetFigures, ...]
+    traces: FloatArray
+
+    @property
+    def stable(self) -> bool:
+        """Whether the closed loop did what it should."""
+        return self.status is CaseStatus.STABLE
+
+    def mean(self, figure: str) -> float:
+        """Return the mean of one figure over the sets."""
+        return float(np.mean([getattr(one, figure) for one in self.sets])) if self.sets else np.nan
+
+    def span(self, figure: str) -> tuple[float, float]:
+        """Return the least and the largest value of one figure over the sets."""
+        values = [getattr(one, figure) for one in self.sets] or [np.nan]
+        return float(min(values)), float(max(values))
+
+    def json(self) -> dict[str, Any]:
+        """Return the case; figures keep §7's units, the final error and peaks are the largest."""
+        return {
+            "mass_kg": self.mass_kg,
+            "valve_delay_s": sum(self.valve_delay_s) / 2,
+            "valve_delay_range_s": list(self.valve_delay_s),
+            "oil_bulk_modulus_pa": self.oil_bulk_modulus_pa,
+            "load_force_n": self.load_force_n,
+            "seed": self.seed,
+            "stable": self.stable,
+            "status": self.status.value,
+            "broken": self.broken or None,
+            "broken_at_s": self.broken_at_s,
+            "performance_index_ms": self.mean("performance_index_ms"),
+            "performance_index_range_ms": list(self.span("performance_index_ms")),
+            "energy_loss_j_per_mm": self.mean("energy_loss_j_per_mm"),
+            "pump_loss_j_per_mm": self.mean("pump_loss_j_per_mm"),
+            "force_error_integral_kn2s": self.mean("force_error_integral_kn2s"),
+            "final_error_mm": self.span("final_error_mm")[1],
+            "peak_velocity_mm_s": self.span("peak_velocity_mm_s")[1],
+            "valve_switches": self.mean("valve_switches"),
+            "converter_peak_mm": self.span("converter_peak_mm")[1],
+            "pressure_min_mpa": self.span("pressure_min_mpa")[0],
+            "pressure_max_mpa": self.span("pressure_max_mpa")[1],
+            "energy_residual": self.span("energy_residual")[1],
+        }
+
+
+@dataclass(frozen=True)
+class VerifyResult:
+    """Every machine's verification with one set of gains."""
+
+    study: ResolvedStudy
+    gains: Gains
+    cases: tuple[CaseResult, ...]
+
+    @property
+    def satisfied(self) -> bool:
+        """Whether every case is stable."""
+        return all(case.stable for case in self.cases)
+
+    def json(self) -> dict[str, Any]:
+        """Return all cases."""
+        return {
+            "satisfied": self.satisfied,
+            "gains": self.gains.model_dump(),
+            "cases": [case.json() for case in self.cases],
+        }
+
+    def worst_per_mass(self) -> tuple[CaseResult, ...]:
+        """Return for each mass the first case that is not stable, or that with the worst index."""
+        chosen: dict[float, CaseResult] = {}
+        for case in self.cases:
+            known = chosen.get(case.mass_kg)
+            if known is None or _badness(case) > _badness(known):
+                chosen[case.mass_kg] = case
+        return tuple(chosen.values())
+
+
+def _badness(case: CaseResult) -> float:
+    index = case.mean("performance_index_ms")
+    return index if case.stable and np.isfinite(index) else np.inf

@@ -1,0 +1,222 @@
+"""Gains proven on the nonlinear machine: the study's moves on each of its machines (§6, §7)."""
+
+from __future__ import annotations
+
+from itertools import product
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from mptune.arrays import frozen
+from mptune.errors import Fault, InputError
+from mptune.force.cost import force_limits
+from mptune.force.search_space import search_space
+from mptune.params.pack import pack_force, pack_gains, pack_machine, pack_signals
+from mptune.plant.supplies import oil_at_pressure
+from mptune.plant.valve import shut_valves
+from mptune.sim import closed_loop as loop
+from mptune.verify.figures import LIMIT_CYCLE_SWINGS, first_broken_limit, set_figures
+from mptune.verify.result import CaseResult, CaseStatus, SetFigures, VerifyResult
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mptune.arrays import FloatArray
+    from mptune.params.controller import Feedforward, Gains
+    from mptune.params.pack import LoopGains, Machine
+    from mptune.params.section import Range
+    from mptune.params.study import ResolvedStudy
+
+_START_PRESSURE_B = 6e6  # Pa; p_A follows from the balance of forces
+_SATURATED = 0.05  # s in one set
+
+
+class Case(NamedTuple):
+    """One machine to verify on."""
+
+    mass: float
+    valve_delay: Range
+    oil_bulk_modulus: float
+    load_force: float
+    seed: int
+
+
+def cases_of(study: ResolvedStudy) -> tuple[Case, ...]:
+    """Return every machine that the study's ``[verification]`` names."""
+    asked = study.study.verification
+    axes = (asked.masses, asked.delay_ranges(), asked.oil_bulk_moduli, asked.load_forces)
+    return tuple(Case(*one) for one in product(*axes, asked.seeds))
+
+
+def verify(
+    study: ResolvedStudy,
+    gains: Gains | None = None,
+    feedforward: Feedforward | None = None,
+    progress: Callable[[float], None] = lambda _share: None,
+) -> VerifyResult:
+    """Run the study's moves on each of its machines with the nonlinear simulator.
+
+    Parameters
+    ----------
+    study
+        The study.
+    gains, feedforward
+        What the controller uses; the study's own where None.
+    progress
+        Called with the share of the cases that is done.
+
+    Raises
+    ------
+    InputError
+        If the sampling period is not longer than the valve delay (Table 2), or if the movement set
+        does not end where it began and is to be repeated.
+    """
+    from joblib import Parallel, delayed
+
+    gains = gains or study.study.gains
+    feedforward = feedforward or study.study.feedforward
+    _check(study)
+    cases = cases_of(study)
+    jobs = (delayed(run_case)(study, case, gains, feedforward) for case in cases)
+    results = []
+    for result in Parallel(n_jobs=-1, prefer="threads", return_as="generator")(jobs):
+        results.append(result)
+        progress(len(results) / len(cases))
+    return VerifyResult(study, gains, tuple(results))
+
+
+def _check(study: ResolvedStudy) -> None:
+    asked, controller = study.study.verification, study.study.controller
+    for number, (_, longest) in enumerate(asked.delay_ranges()):
+        if longest >= controller.sampling_period:
+            raise InputError(
+                study.name,
+                Fault(
+                    f"verification.valve_delays[{number + 1}]",
+                    f"{1e3 * longest:g} ms",
+                    f"is not below the sampling period, {1e3 * controller.sampling_period:g} ms, "
+                    "which Table 2 asks to be longer than the valve delay",
+                    "lengthen controller.sampling_period or take faster valves",
+                ),
+            )
+    net = sum(move.distance for move in study.study.manoeuvre)
+    if asked.repeats > 1 and abs(net) > 1e-9:
+        raise InputError(
+            study.name,
+            Fault(
+                "verification.repeats",
+                str(asked.repeats),
+                f"repeats moves that end {1e3 * net:g} mm from where they began",
+                "add a move back, or set repeats = 1",
+            ),
+        )
+
+
+def run_case(
+    study: ResolvedStudy, case: Case, gains: Gains, feedforward: Feedforward
+) -> CaseResult:
+    """Run one machine through its movement sets; memory does not grow with their number."""
+    machine = pack_machine(study, case.mass, case.oil_bulk_modulus, case.load_force)
+    controller, asked = study.study.controller, study.study.verification
+    signals, settings, space = pack_signals(controller), pack_force(study), search_space()
+    packed, ahead = pack_gains(gains), _pack_ahead(feedforward, controller.fast_sampling_period)
+    moves = np.array([(m.distance, m.duration, m.rest) for m in study.study.manoeuvre])
+    length = float(moves[:, 1:].sum())
+    # Whole sampling periods, so that every set begins with a decision.
+    ticks = signals.ticks * int(np.ceil(length / controller.sampling_period - 1e-9))
+    memory = new_memory(study, machine, packed, asked.start)
+    limits = force_limits(settings)
+    random = np.random.default_rng(case.seed)
+    trace = np.empty((ticks, loop.COLUMNS))
+    sets: list[SetFigures] = []
+    broken, broken_at = "", float("nan")
+    finite = True
+    for number in range(asked.repeats):
+        before, switched = memory.energy.copy(), int(memory.valves.counters[0])
+        begin = number * ticks * signals.sample_time
+        loop.run_ticks(
+            memory, machine, _delays(study, case), packed, ahead, signals, settings, space, moves,
+            asked.start, begin, random, trace,
+        )  # fmt: skip
+        finite = bool(np.isfinite(trace).all())
+        if not finite:
+            break
+        if not broken:
+            broken, broken_at = first_broken_limit(trace, machine, signals.sample_time, begin)
+        if number > 0 or asked.repeats == 1:
+            switches = int(memory.valves.counters[0]) - switched
+            energy = memory.energy - before
+            sets.append(
+                set_figures(trace, moves, energy, switches, machine, signals.sample_time, limits)
+            )
+    return CaseResult(
+        mass_kg=case.mass,
+        valve_delay_s=case.valve_delay,
+        oil_bulk_modulus_pa=case.oil_bulk_modulus,
+        load_force_n=case.load_force,
+        seed=case.seed,
+        status=_status(sets, broken, finite=finite),
+        broken=broken,
+        broken_at_s=broken_at,
+        sets=tuple(sets),
+        traces=frozen(trace),
+    )
+
+
+def _status(sets: list[SetFigures], broken: str, *, finite: bool) -> CaseStatus:
+    if not finite:
+        return CaseStatus.NOT_FINITE
+    if any(one.oscillation >= LIMIT_CYCLE_SWINGS for one in sets):
+        return CaseStatus.LIMIT_CYCLE
+    if broken:
+        return CaseStatus.LIMIT_BROKEN
+    if any(one.saturated_s >= _SATURATED for one in sets):
+        return CaseStatus.SATURATED
+    return CaseStatus.STABLE
+
+
+def _delays(study: ResolvedStudy, case: Case) -> loop.Delays:
+    """Return pure delays: valve delay less its ramp, plus the largest computational delay."""
+    valves = study.study.valves
+    extra = valves.computation_delay[1] - valves.ramp
+    least, largest = (max(delay + extra, 0.0) for delay in case.valve_delay)
+    return loop.Delays(least, largest, valves.ramp)
+
+
+def _pack_ahead(feedforward: Feedforward, sample_time: float) -> loop.Feedforward:
+    def pole(lag: float) -> float:
+        return float(np.exp(-sample_time / lag)) if lag > 0 else 0.0
+
+    return loop.Feedforward(
+        feedforward.acceleration_mass,
+        pole(feedforward.reference_lag),
+        pole(feedforward.velocity_reference_lag),
+    )
+
+
+def new_memory(
+    study: ResolvedStudy, machine: Machine, gains: LoopGains, start: float
+) -> loop.Memory:
+    """Return machine and controller at rest at ``start`` [m]; the integrator carries the load."""
+    supplies = study.study.supplies
+    high = 0.5 * (supplies.pump_on + supplies.pump_off)
+    pressure_b = _START_PRESSURE_B
+    pressure_a = (machine.load + machine.area_b * pressure_b) / machine.area_a
+    state: FloatArray = np.zeros(9)
+    state[[0, 2, 3, 8]] = start, pressure_a, pressure_b, oil_at_pressure(high, machine)
+    signals = np.zeros(loop.SIGNALS)
+    signals[:5] = start, pressure_a, pressure_b, high, machine.low_pressure
+    outer = np.zeros(9)
+    outer[loop.INTEGRAL] = machine.load / gains.k_p_vel
+    outer[loop.REFERENCE] = start
+    return loop.Memory(
+        state=state,
+        energy=np.zeros(8),
+        valves=shut_valves(),
+        raw=np.stack([signals, signals]),
+        filtered=signals.copy(),
+        history=np.full(6, start),
+        converters=np.zeros(4),
+        outer=outer,
+        choice=np.zeros(2, np.int64),
+    )

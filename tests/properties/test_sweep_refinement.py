@@ -1,0 +1,67 @@
+"""The worst ratio of a sweep is the worst there is: no denser grid finds a higher one."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import Phase, given, settings
+from hypothesis import strategies as st
+
+from mptune.params.controller import Gains
+from mptune.params.pack import NO_PATH, pack_gains, pack_nominal
+from mptune.robust.condition import sides
+from mptune.robust.sweep import CONVERGED, sweep
+
+
+def gains_of(*values):
+    names = Gains.model_fields
+    return Gains.model_validate(dict(zip(names, values, strict=True)), context={"si": True})
+
+
+gains = st.builds(
+    gains_of,
+    st.floats(100e3, 1400e3),
+    st.floats(0.1, 30.0),
+    st.just(0.0) | st.floats(0.5, 100.0),
+    st.floats(10.0, 200.0),
+    st.floats(0.02, 2.0),
+    st.floats(0.002, 0.05),
+)
+
+
+@pytest.fixture(scope="module")
+def corners(load_boom):
+    return load_boom(corners=True)
+
+
+def excess(study, gain):
+    """Return how far a ten times denser grid exceeds each worst ratio, relative to it."""
+    result = sweep(study, gain)
+    omega = np.geomspace(result.omega[0], result.omega[-1], 10 * len(result.omega))
+    share_a = study.study.cylinder.share_a
+    found = sides(omega, result.plants, pack_nominal(study), share_a, pack_gains(gain), NO_PATH)
+    return [
+        found.ratio[loop].max() / condition.worst_ratio - 1
+        for loop, condition in enumerate(result.conditions)
+        if condition.nominal_stable
+    ]
+
+
+@settings(phases=[Phase.generate])  # a sweep is too long to be shrunk
+@given(gains)
+def test_no_denser_grid_finds_a_higher_ratio(corners, gain):
+    assert all(more <= CONVERGED for more in excess(corners, gain))
+
+
+@pytest.mark.parametrize(
+    "values",
+    [
+        (1335351.0, 5.698, 0.0, 98.14, 0.334, 0.0742),  # 1.3 % above a worst ratio of 0.31
+        (888158.0, 0.1128, 1.297, 11.30, 0.0183, 0.00648),  # 0.7 % above one of 0.47
+        (422356.0, 0.1307, 0.877, 23.72, 0.0161, 0.00161),  # 0.3 % above one of 0.64
+    ],
+)
+def test_a_narrow_peak_between_two_points_of_the_first_grid_is_found(corners, values):
+    found = excess(corners, gains_of(*values))
+    print(f"a denser grid finds {max(found):+.1e} of the worst ratio")
+    assert all(more <= CONVERGED for more in found)
