@@ -6,6 +6,7 @@
     <out>/<study>.png           its four panels, as a picture
     <out>/<study>/sweep.nc      both inequalities and margins, of the final gains
     <out>/<study>/gains.toml    the controller's gains, with verdicts
+    <out>/<study>/traces.nc     the nonlinear machine's last movement set, per mass
     <out>/<study>/*.svg         the figures
 """
 
@@ -14,12 +15,15 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
-from mptune.params.gains import GainsFile, Verdict, now, version, write_gains
+from mptune.params.gains import GainsFile, Verdict, now, read_gains, version, write_gains
 from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep
 from mptune.sim.sampled import linear_moves
 from mptune.tune.tuner import tune
+from mptune.verify.store import write_traces
+from mptune.verify.verify import verify
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -30,8 +34,9 @@ if TYPE_CHECKING:
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
     from mptune.tune.tuner import TuneResult
+    from mptune.verify.result import VerifyResult
 
-STAGES = ("sweep", "tune", "closed loop", "figures", "report")
+STAGES = ("sweep", "tune", "linear check", "verify", "figures", "report")
 
 
 @dataclass(frozen=True)
@@ -45,7 +50,10 @@ class JobResult:
     tuned
         The tuner's result, with its own sweep.
     moves, moves_before
-        The closed-loop check with tuned and with the study's own gains.
+        The linear check with tuned and with the study's own gains.
+    verified
+        The nonlinear machine under the exported gains; None where their margins are not satisfied,
+        as the controller then refuses them.
     files
         What was written.
     """
@@ -55,26 +63,29 @@ class JobResult:
     tuned: TuneResult
     moves: tuple[LinearMove, ...]
     moves_before: tuple[LinearMove, ...]
+    verified: VerifyResult | None
     files: tuple[Path, ...]
 
     @property
     def satisfied(self) -> bool:
-        """Whether every requirement is met and every closed-loop case is stable."""
-        return self.tuned.sweep.satisfied and all(case.stable for case in self.moves)
+        """Whether every requirement is met and every machine verified as stable."""
+        verified = self.verified is not None and self.verified.satisfied
+        return self.tuned.sweep.satisfied and verified
 
     def json(self) -> dict[str, Any]:
         """Return the result in SI, units in the keys."""
         return {
             "sweep": self.published.json(),
             "tune": {**self.tuned.json(), "sweep": self.tuned.sweep.json()},
-            "closed_loop": [moves_json(case) for case in self.moves],
+            "linear_check": [moves_json(case) for case in self.moves],
+            "verify": self.verified.json() if self.verified else None,
             "satisfied": self.satisfied,
             "files": [str(path) for path in self.files],
         }
 
 
 def moves_json(case: LinearMove) -> dict[str, Any]:
-    """Return one case of the closed-loop check; the index keeps §7's unit."""
+    """Return one case of the linear check; the index keeps §7's unit."""
     return {
         "mass_kg": case.mass_kg,
         "valve_delay_s": case.valve_delay_s,
@@ -87,7 +98,7 @@ def moves_json(case: LinearMove) -> dict[str, Any]:
 def run(
     study: ResolvedStudy, out: Path, progress: Callable[[str, float], None] = lambda *_: None
 ) -> JobResult:
-    """Run the whole job: sweep, tune, check the closed loop, export, report.
+    """Run the whole job: sweep, tune, export, verify on the nonlinear machine, report.
 
     Parameters
     ----------
@@ -108,21 +119,75 @@ def run(
     published = sweep(study)
     progress("tune", 0.0)
     tuned = tune(study, lambda share: progress("tune", share))
-    progress("closed loop", 0.0)
+    progress("linear check", 0.0)
     moves_before, moves = linear_moves(study), linear_moves(study, tuned.gains)
+    exported = write_gains(folder / "gains.toml", gains_file(tuned.sweep, moves, None))
+    files = [write_sweep(folder / "sweep.nc", tuned.sweep), exported]
+    verified = None
+    if tuned.sweep.satisfied:
+        progress("verify", 0.0)
+        file = read_gains(exported, study.hash())
+        verified = verify(
+            study, file.gains, file.feedforward, lambda share: progress("verify", share)
+        )
+        write_gains(exported, gains_file(tuned.sweep, moves, verified))
+        files.append(write_traces(folder / "traces.nc", verified))
     progress("figures", 0.0)
-    figures, picture = draw(tuned.sweep, moves)
-    files = [
-        write_sweep(folder / "sweep.nc", tuned.sweep),
-        write_gains(folder / "gains.toml", gains_file(tuned.sweep, moves)),
-    ]
+    figures, picture = draw(tuned.sweep, moves, verified)
     files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
-    result = JobResult(study, published, tuned, moves, moves_before, ())
+    result = JobResult(study, published, tuned, moves, moves_before, verified, ())
     progress("report", 0.0)
     files.append(write_whole(out / f"{study.name}.png", picture))
     files.append(_report(out / f"{study.name}.pdf", result, figures))
     progress("report", 1.0)
-    return JobResult(study, published, tuned, moves, moves_before, tuple(files))
+    return JobResult(study, published, tuned, moves, moves_before, verified, tuple(files))
+
+
+def verify_study(
+    study: ResolvedStudy,
+    gains: Path | None,
+    out: Path,
+    progress: Callable[[str, float], None] = lambda *_: None,
+    *,
+    force: bool = False,
+) -> tuple[VerifyResult, tuple[Path, ...]]:
+    """Verify a gains file (the study's own gains where None) on the nonlinear machine.
+
+    Raises
+    ------
+    InputError
+        If the file is not for this study, or its margins are not satisfied and ``force`` is False.
+    """
+    from mptune.figures.machine import machine_traces
+    from mptune.figures.style import to_svg
+
+    file = read_gains(gains, study.hash()) if gains else None
+    if file is not None and file.margins != "satisfied" and not force:
+        fault = Fault(
+            "margins",
+            file.margins,
+            "is no verdict that the controller accepts",
+            "tune again, or insist with --force",
+        )
+        raise InputError(gains or study.name, fault)
+    folder = make_folder(out / study.name)
+    progress("verify", 0.0)
+    verified = verify(
+        study,
+        file.gains if file else None,
+        file.feedforward if file else None,
+        lambda share: progress("verify", share),
+    )
+    progress("figures", 0.0)
+    files = [write_traces(folder / "traces.nc", verified)]
+    for case in verified.worst_per_mass():
+        svg = to_svg(machine_traces(study, case))
+        files.append(write_whole(folder / f"{_figure_name(case.mass_kg)}.svg", svg))
+    return verified, tuple(files)
+
+
+def _figure_name(mass: float) -> str:
+    return f"machine-{mass / 1e3:g}t"
 
 
 def sweep_study(
@@ -154,12 +219,15 @@ def tune_study(
     progress("tune", 0.0)
     tuned = tune(study, lambda share: progress("tune", share))
     moves = linear_moves(study, tuned.gains)
-    return tuned, (write_gains(folder / "gains.toml", gains_file(tuned.sweep, moves)),)
+    return tuned, (write_gains(folder / "gains.toml", gains_file(tuned.sweep, moves, None)),)
 
 
-def draw(swept: SweepResult, moves: tuple[LinearMove, ...]) -> tuple[dict[str, bytes], bytes]:
+def draw(
+    swept: SweepResult, moves: tuple[LinearMove, ...], verified: VerifyResult | None
+) -> tuple[dict[str, bytes], bytes]:
     """Return the figures of a run as SVG, by name, and the four panels as PNG."""
     from mptune.figures.bode import bode_plots
+    from mptune.figures.machine import machine_traces
     from mptune.figures.moves import move_traces
     from mptune.figures.panels import four_panels
     from mptune.figures.style import to_png, to_svg
@@ -170,19 +238,31 @@ def draw(swept: SweepResult, moves: tuple[LinearMove, ...]) -> tuple[dict[str, b
         "bode": to_svg(bode_plots(swept)),
         "moves": to_svg(move_traces(moves)),
     }
+    for case in verified.worst_per_mass() if verified else ():
+        figures[_figure_name(case.mass_kg)] = to_svg(machine_traces(swept.study, case))
     return figures, to_png(panels)
 
 
-def gains_file(swept: SweepResult, moves: tuple[LinearMove, ...]) -> GainsFile:
-    """Return what ``gains.toml`` says of a set of gains and its verdicts."""
+def gains_file(
+    swept: SweepResult, moves: tuple[LinearMove, ...], verified: VerifyResult | None
+) -> GainsFile:
+    """Return what ``gains.toml`` says of a set of gains and its verdicts.
+
+    The closed loop's verdict is the nonlinear machine's; "not run" where that has not been run.
+    """
     margins: Verdict = "satisfied" if swept.satisfied else "violated"
-    closed_loop: Verdict = "satisfied" if all(case.stable for case in moves) else "violated"
+    closed_loop: Verdict = "not run"
+    if verified is not None:
+        closed_loop = "satisfied" if verified.satisfied else "violated"
     worst = {f"{condition.name}_ratio": condition.worst_ratio for condition in swept.conditions}
     index = {
-        f"performance_index_ms_{case.mass_kg:.0f}_kg": case.performance_index_ms
+        f"linear_index_ms_{case.mass_kg:.0f}_kg": case.performance_index_ms
         for case in moves
         if case.stable
     }
+    for case in verified.worst_per_mass() if verified else ():
+        index[f"index_ms_{case.mass_kg:.0f}_kg"] = case.mean("performance_index_ms")
+        index[f"loss_j_per_mm_{case.mass_kg:.0f}_kg"] = case.mean("energy_loss_j_per_mm")
     return GainsFile(
         study=swept.study.name,
         study_hash=swept.study.hash(),
@@ -190,10 +270,10 @@ def gains_file(swept: SweepResult, moves: tuple[LinearMove, ...]) -> GainsFile:
         version=version(),
         date=now(),
         margins=margins,
-        closed_loop=closed_loop if moves else "not run",
+        closed_loop=closed_loop,
         gains=swept.gains,
         feedforward=swept.study.study.feedforward,
-        figures={"margins": worst, "closed_loop": {"loop": "sampled, linear", **index}},
+        figures={"margins": worst, "closed_loop": index},
     )
 
 
@@ -208,6 +288,7 @@ def _report(path: Path, result: JobResult, figures: dict[str, bytes]) -> Path:
         tuned=result.tuned,
         moves=result.moves,
         moves_before=result.moves_before,
+        verified=result.verified,
         satisfied=result.satisfied,
     )
     return write_report(path, results, figures)

@@ -130,6 +130,37 @@ def tune(
 
 
 @app.command()
+def verify(
+    study: StudyArgument,
+    gains: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="A gains file; else the study's own.")
+    ] = None,
+    force: Annotated[
+        bool, typer.Option("--force", help="Take gains whose margins are not satisfied.")
+    ] = False,
+    override: SetOption = None,
+    uncertainty: UncertaintyOption = "",
+    out: OutOption = _OUT,
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Prove gains on the nonlinear machine."""
+    from mptune.cli import show
+    from mptune.job import verify_study
+    from mptune.params.load import load_study
+
+    loaded = load_study(study, override or (), uncertainty)
+    with show.progress(quiet=quiet) as report:
+        result, files = verify_study(loaded, gains, out, report, force=force)
+    if json:
+        show.as_json(result.json())
+    else:
+        show.verified(result)
+        show.files(files)
+    _finish(met=result.satisfied)
+
+
+@app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the study's folder.")],
     folder: Annotated[Path, typer.Option("--in", metavar="DIR", help="Where studies live.")] = Path(

@@ -27,6 +27,7 @@ if TYPE_CHECKING:
     from mptune.params.controller import Gains
     from mptune.robust.result import SweepResult
     from mptune.tune.tuner import TuneResult
+    from mptune.verify.result import VerifyResult
 
 _PIPE_WIDTH = 120  # columns, where the output is no terminal
 console = Console(
@@ -166,7 +167,7 @@ def tuned(result: TuneResult) -> None:
 def job(result: JobResult) -> None:
     """Print a summary of the whole job."""
     tuned(result.tuned)
-    table = _table("Closed-loop check: sampled linear loop")
+    table = _table("Linear check: sampled loop with its filters")
     for heading in ("mass", "valve delay", "index, study's own gains", "index, tuned"):
         table.add_column(heading, justify="right")
     for case, before in zip(result.moves, result.moves_before, strict=True):
@@ -181,11 +182,44 @@ def job(result: JobResult) -> None:
             ),
         )
     console.print(table)
+    if result.verified is None:
+        console.print("The nonlinear machine was not run: the controller refuses these margins.")
+    else:
+        verified(result.verified)
     files(result.files)
     met = result.satisfied
     console.print(
         _verdict("Every requirement is met." if met else "Some requirement is not met.", good=met)
     )
+
+
+def verified(result: VerifyResult) -> None:
+    """Print each machine's figures and status."""
+    table = _table("The nonlinear machine")
+    headings = ("mass", "oil", "seed", "index [ms]", "loss [J/mm]", "∫ΔF² [kN² s]", "final [mm]")
+    for heading in (*headings, "converter [mm]", "switches"):
+        table.add_column(heading, justify="right")
+    table.add_column("status", no_wrap=True)
+    for case in result.cases:
+        table.add_row(
+            f"{case.mass_kg / 1e3:g} t",
+            f"{case.oil_bulk_modulus_pa / 1e6:g} MPa",
+            str(case.seed),
+            number(case.mean("performance_index_ms"), 3),
+            number(case.mean("energy_loss_j_per_mm"), 3),
+            number(case.mean("force_error_integral_kn2s"), 3),
+            number(case.span("final_error_mm")[1], 2),
+            number(case.span("converter_peak_mm")[1], 3),
+            number(case.mean("valve_switches"), 4),
+            _verdict(case.status.value, good=case.stable),
+        )
+    console.print(table)
+    for case in result.cases:
+        if case.broken:
+            console.print(
+                f"{case.mass_kg / 1e3:g} t, oil {case.oil_bulk_modulus_pa / 1e6:g} MPa, seed "
+                f"{case.seed}: {case.broken} from {case.broken_at_s:.1f} s on"
+            )
 
 
 def files(paths: Iterable[Path]) -> None:

@@ -26,6 +26,15 @@ PUBLISHED_GAINS = Gains.model_validate(
 MEASURED_INDEX_RANGE = {24500.0: (13.1e-3, 30.4e-3), 49000.0: (18.1e-3, 33.7e-3)}
 """Range of the performance index [s] over 20 measured responses, by mass [kg], §7.2."""
 
+MEASURED_LOSS = {24500.0: 19.5, 49000.0: 18.9}
+"""Mean energy loss [J/mm] over 20 movement sets, by mass [kg], §7.1."""
+
+MEASURED_FORCE_ERROR = 50.8
+"""Mean integral of the squared force error [kN² s] per movement set at 49 t, §7.3."""
+
+MEASURED_FINAL_ERROR = 0.7
+"""Largest steady-state position error [mm], §7.2."""
+
 
 @dataclass(frozen=True)
 class Disagreement:

@@ -7,7 +7,13 @@ from typing import TYPE_CHECKING, Any
 
 from mptune.loops.family import derived_time_constants
 from mptune.params.gains import now, version
-from mptune.params.paper import LEDGER, MEASURED_INDEX_RANGE
+from mptune.params.paper import (
+    LEDGER,
+    MEASURED_FINAL_ERROR,
+    MEASURED_FORCE_ERROR,
+    MEASURED_INDEX_RANGE,
+    MEASURED_LOSS,
+)
 from mptune.params.section import Section
 from mptune.robust.result import Check, Status
 from mptune.robust.tables import EQUATIONS, margin_rows, place_text
@@ -18,6 +24,7 @@ if TYPE_CHECKING:
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
     from mptune.tune.tuner import TuneResult
+    from mptune.verify.result import CaseResult, VerifyResult
 
 
 @dataclass(frozen=True)
@@ -30,6 +37,7 @@ class Results:
     tuned: TuneResult | None
     moves: tuple[LinearMove, ...]
     moves_before: tuple[LinearMove, ...]
+    verified: VerifyResult | None
     satisfied: bool
 
 
@@ -54,6 +62,8 @@ def content(results: Results) -> dict[str, Any]:
             {"label": label, "cells": cells} for label, cells in margin_rows(results.sweep)
         ],
         "closed_loop": _closed_loop(results),
+        "verified": _verified(results.verified),
+        "comparison": _comparison(results.verified),
         "parameters": _parameters(study),
         "derived": [shown(pair, "s", ranged=True) for pair in derived_time_constants(study)],
         "ledger": [
@@ -167,6 +177,66 @@ def _closed_loop(results: Results) -> list[dict[str, str]]:
 
 def _index(case: LinearMove) -> str:
     return f"{case.performance_index_ms:.1f} ms" if case.stable else "unstable"
+
+
+def _verified(verified: VerifyResult | None) -> list[dict[str, Any]]:
+    """Return one row per verified machine."""
+    return [
+        {
+            "mass": f"{case.mass_kg / 1e3:g} t",
+            "oil": f"{case.oil_bulk_modulus_pa / 1e6:g} MPa",
+            "seed": str(case.seed),
+            "index": number(case.mean("performance_index_ms"), 3),
+            "loss": number(case.mean("energy_loss_j_per_mm"), 3),
+            "force": number(case.mean("force_error_integral_kn2s"), 3),
+            "final": number(case.span("final_error_mm")[1], 2),
+            "converter": number(case.span("converter_peak_mm")[1], 3),
+            "switches": number(case.mean("valve_switches"), 4),
+            "status": case.status.value + (f", {case.broken}" if case.broken else ""),
+            "stable": case.stable,
+        }
+        for case in (verified.cases if verified else ())
+    ]
+
+
+def _comparison(verified: VerifyResult | None) -> list[dict[str, str]]:
+    """Return §7's figures, by mass: the paper's, here, and whether predicted or calibrated."""
+    rows: list[dict[str, str]] = []
+    for mass in sorted({case.mass_kg for case in verified.cases} if verified else ()):
+        cases = [case for case in (verified.cases if verified else ()) if case.mass_kg == mass]
+        index, loss = MEASURED_INDEX_RANGE.get(mass), MEASURED_LOSS.get(mass)
+        losses = f"{loss:g}" if loss else "—"
+        force = f"{MEASURED_FORCE_ERROR:g}" if mass == max(MEASURED_LOSS) else "—"
+        final = f"≤ {MEASURED_FINAL_ERROR:g}" if index else "—"
+        indices = _span(cases, "performance_index_ms", 1)
+        finals = _span(cases, "final_error_mm", 2)
+        by_pump = _means(cases, "pump_loss_j_per_mm")
+        energy, squares = _means(cases, "energy_loss_j_per_mm"), "force_error_integral_kn2s"
+        for figure, paper, here, kind in (
+            ("performance index [ms]", _times(index), indices, "predicted"),
+            ("energy loss, mean [J/mm]", losses, energy, "calibrated"),
+            ("… by pump power, as §7.1 [J/mm]", losses, by_pump, "calibrated"),
+            ("∫ force error² [kN² s]", force, _means(cases, squares), "calibrated"),
+            ("final error [mm]", final, finals, "predicted"),
+        ):
+            row = {"mass": f"{mass / 1e3:g} t", "figure": figure, "paper": paper}
+            rows.append({**row, "here": here, "kind": kind})
+    return rows
+
+
+def _times(pair: tuple[float, float] | None) -> str:
+    return f"{1e3 * pair[0]:.1f}–{1e3 * pair[1]:.1f}" if pair else "—"
+
+
+def _span(cases: list[CaseResult], figure: str, digits: int) -> str:
+    low = min(case.span(figure)[0] for case in cases)
+    high = max(case.span(figure)[1] for case in cases)
+    return f"{low:.{digits}f}–{high:.{digits}f}"
+
+
+def _means(cases: list[CaseResult], figure: str) -> str:
+    means = [case.mean(figure) for case in cases]
+    return f"{min(means):.1f}–{max(means):.1f}"
 
 
 def _parameters(study: ResolvedStudy) -> list[dict[str, Any]]:

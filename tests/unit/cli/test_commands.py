@@ -8,6 +8,12 @@ import pytest
 from mptune.cli.main import status
 
 CORNERS = ("--set", "uncertainty.points=2")
+BRIEF = (
+    *CORNERS,
+    *("--set", "verification.repeats=2"),
+    *("--set", "verification.seeds=[1]"),
+    *("--set", 'verification.oil_bulk_moduli=["1200 MPa"]'),
+)
 
 
 @pytest.fixture
@@ -100,13 +106,43 @@ def test_infeasible_tuning_ends_with_status_1_and_names_the_blocking_point(cli):
 
 
 def test_run_does_the_whole_job(cli, tmp_path):
-    code, out, _ = cli("run", *CORNERS)
+    code, out, _ = cli("run", *BRIEF)
     assert code == 0
     written = {path.name for path in (tmp_path / "out").rglob("*") if path.is_file()}
     assert written == {
         "boom.pdf", "boom.png", "sweep.nc", "gains.toml", "panels.svg", "bode.svg", "moves.svg",
+        "traces.nc", "machine-24.5t.svg", "machine-49t.svg",
     }  # fmt: skip
     assert "Every requirement is met." in out
+
+
+def test_verify_json_holds_the_agreed_keys(cli):
+    code, out, _ = cli("verify", "--json", *BRIEF)
+    values = json.loads(out)
+    assert code == 0
+    assert len(values["cases"]) == 2
+    for case in values["cases"]:
+        assert {
+            "mass_kg", "valve_delay_s", "oil_bulk_modulus_pa", "stable", "performance_index_ms",
+            "energy_loss_j_per_mm", "force_error_integral_kn2s", "final_error_mm",
+            "valve_switches", "converter_peak_mm",
+        } <= set(case)  # fmt: skip
+
+
+def test_verify_of_a_limit_cycle_ends_with_status_1_and_says_so(cli):
+    code, out, _ = cli("verify", *BRIEF, "--set", "gains.k_p_vel=1400 kN s/m")
+    assert code == 1
+    assert "limit cycle" in out
+
+
+def test_gains_with_violated_margins_are_refused_unless_forced(cli, tmp_path):
+    tight = ("--set", "requirements.velocity_ratio=0.45")
+    assert cli("tune", *BRIEF, *tight)[0] == 1
+    gains = str(tmp_path / "out" / "boom" / "gains.toml")
+    code, _, err = cli("verify", "--gains", gains, *BRIEF, *tight)
+    assert code == 2
+    assert "--force" in err
+    assert cli("verify", "--gains", gains, "--force", *BRIEF, *tight)[0] == 0
 
 
 def test_new_study_runs_as_it_stands_and_is_not_overwritten(cli, tmp_path, capsys):
@@ -227,5 +263,5 @@ def test_unforeseen_error_has_status_3_and_no_traceback(cli, monkeypatch):
 def test_help_lists_the_commands(capsys):
     assert status(["--help"]) == 0
     out = capsys.readouterr().out
-    for command in ("run", "sweep", "tune", "new", "ledger"):
+    for command in ("run", "sweep", "tune", "verify", "new", "ledger"):
         assert re.search(rf"^\s+{command}\s", out, re.MULTILINE)

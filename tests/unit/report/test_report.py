@@ -14,7 +14,12 @@ from mptune.units import shown
 
 @pytest.fixture(scope="module")
 def job(load_boom, tmp_path_factory):
-    return run(load_boom(corners=True), tmp_path_factory.mktemp("out"))
+    brief = (
+        "verification.repeats=2",
+        "verification.seeds=[1]",
+        'verification.oil_bulk_moduli=["1200 MPa"]',
+    )
+    return run(load_boom(*brief, corners=True), tmp_path_factory.mktemp("out"))
 
 
 def text_of(path):
@@ -31,6 +36,7 @@ def results_of(job, **changes):
         "tuned": job.tuned,
         "moves": job.moves,
         "moves_before": job.moves_before,
+        "verified": job.verified,
         "satisfied": job.satisfied,
     }
     return Results(**{**values, **changes})
@@ -70,7 +76,7 @@ def test_title_is_printed_as_it_stands(load_boom, job, tmp_path, title):
 
 
 def test_report_without_some_figure_leaves_only_that_out(job, tmp_path):
-    results = results_of(job, sweep=job.published, tuned=None, satisfied=False)
+    results = results_of(job, sweep=job.published, tuned=None, verified=None, satisfied=False)
     path = write_report(tmp_path / "bare.pdf", results, {})
     text = text_of(path)
     assert "Some requirement is not met" in text

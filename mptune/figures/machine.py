@@ -1,0 +1,95 @@
+"""Fig. 6 and Fig. 7: one movement set of the nonlinear machine under its controller."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.figures.style import NOMINAL, REFERENCE, SECOND, WORST, legend_below, new_figure, style
+from mptune.sim import closed_loop as loop
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+    from mptune.arrays import FloatArray
+    from mptune.params.study import ResolvedStudy
+    from mptune.verify.result import CaseResult
+
+_GREYS = ("0.0", "0.25", "0.4", "0.5")
+_DRAWN = 2000  # points per curve
+_SINGLE_FROM, _CROSSFLOW_FROM = 6.5, 12.5  # borders between the kinds of valve states
+
+
+def machine_traces(study: ResolvedStudy, case: CaseResult) -> Figure:
+    """Draw position, error, velocity, pressures, force, its error, valve states and converters."""
+    trace = case.traces
+    every = max(len(trace) // _DRAWN, 1)
+    tick = study.study.controller.fast_sampling_period
+    time: FloatArray = tick * np.arange(0, len(trace), every, dtype=np.float64)
+    trace = trace[::every]
+    cylinder = study.study.cylinder
+    force = cylinder.area_a * trace[:, loop.CHAMBER_A] - cylinder.area_b * trace[:, loop.CHAMBER_B]
+    with style():
+        figure = new_figure(9.3)
+        axes = figure.subplots(9, 1, sharex=True)
+        _motion(axes[:3], time, trace)
+        _forces(axes[3:6], time, trace, force)
+        for one, column, side in ((axes[6], loop.STATE_A, "A"), (axes[7], loop.STATE_B, "B")):
+            one.step(time, trace[:, column], where="post", **{**NOMINAL, "linewidth": 0.7})
+            one.axhline(_SINGLE_FROM, **REFERENCE)
+            one.axhline(_CROSSFLOW_FROM, **REFERENCE)
+            one.set(ylabel=f"State {side} [–]", ylim=(-1, 28))
+        for i, dashes in enumerate(("-", "--", "-.", ":")):
+            look = {"linewidth": 1.1, "color": _GREYS[i], "linestyle": dashes}
+            place = 1e3 * trace[:, loop.CONVERTER_1 + i]
+            axes[8].plot(time, place, label=f"converter {i + 1}", **look)
+        axes[8].set(ylabel="Converter\n[mm]", xlabel="Time [s]", xlim=(0, time[-1]))
+        axes[0].set_title(
+            f"{case.mass_kg / 1e3:g} t, oil {case.oil_bulk_modulus_pa / 1e6:g} MPa, "
+            f"valve delay {_delays(case)} ms: {case.status.value}",
+            loc="left",
+        )
+        figure.align_ylabels(axes)
+        legend_below(figure, axes[0], axes[3], axes[8])
+    return figure
+
+
+def _delays(case: CaseResult) -> str:
+    low, high = (1e3 * delay for delay in case.valve_delay_s)
+    return f"{low:g}" if low == high else f"{low:g}–{high:g}"
+
+
+def _motion(
+    axes: np.ndarray[tuple[int], np.dtype[np.object_]], time: FloatArray, trace: FloatArray
+) -> None:
+    position, error, velocity = axes
+    position.plot(time, 1e3 * trace[:, loop.POSITION], label="machine", **NOMINAL)
+    position.plot(time, 1e3 * trace[:, loop.X_REF], label="reference", **REFERENCE)
+    position.set_ylabel("Position\n[mm]")
+    error.plot(time, 1e3 * (trace[:, loop.X_REF] - trace[:, loop.POSITION]), **NOMINAL)
+    error.set_ylabel("Error\n[mm]")
+    velocity.plot(time, 1e3 * trace[:, loop.VELOCITY], **NOMINAL)
+    velocity.plot(time, 1e3 * trace[:, loop.V_REF], **REFERENCE)
+    velocity.set_ylabel("Velocity\n[mm/s]")
+
+
+def _forces(
+    axes: np.ndarray[tuple[int], np.dtype[np.object_]],
+    time: FloatArray,
+    trace: FloatArray,
+    force: FloatArray,
+) -> None:
+    pressure, drawn, error = axes
+    thin = {"linewidth": 0.9}
+    pressure.plot(
+        time, trace[:, loop.CHAMBER_A] / 1e6, label="A", **{**SECOND, **thin, "linestyle": "-"}
+    )
+    pressure.plot(time, trace[:, loop.CHAMBER_B] / 1e6, label="B", **{**WORST, **thin})
+    pressure.set_ylabel("Pressure\n[MPa]")
+    drawn.plot(time, force / 1e3, **{**NOMINAL, **thin})
+    drawn.plot(time, trace[:, loop.F_REF] / 1e3, **REFERENCE)
+    drawn.set_ylabel("Force\n[kN]")
+    active = np.where(trace[:, loop.ACTIVE] > 0, trace[:, loop.F_REF] - force, np.nan)
+    error.plot(time, active / 1e3, **{**NOMINAL, **thin})
+    error.set_ylabel("Force error\n[kN]")

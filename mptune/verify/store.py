@@ -1,0 +1,79 @@
+"""Traces of a verification as a labelled data set, and on disk as NetCDF."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.files import write_whole_with
+from mptune.params.gains import version
+from mptune.sim import closed_loop as loop
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    import xarray as xr
+
+    from mptune.verify.result import VerifyResult
+
+_COLUMNS = {
+    "position_reference": (loop.X_REF, "m"),
+    "velocity_reference": (loop.V_REF, "m/s"),
+    "position": (loop.POSITION, "m"),
+    "velocity": (loop.VELOCITY, "m/s"),
+    "pressure_a": (loop.CHAMBER_A, "Pa"),
+    "pressure_b": (loop.CHAMBER_B, "Pa"),
+    "force_reference": (loop.F_REF, "N"),
+    "active": (loop.ACTIVE, "1"),
+    "state_a": (loop.STATE_A, "1"),
+    "state_b": (loop.STATE_B, "1"),
+    "converter_1": (loop.CONVERTER_1, "m"),
+    "converter_2": (loop.CONVERTER_1 + 1, "m"),
+    "converter_3": (loop.CONVERTER_1 + 2, "m"),
+    "converter_4": (loop.CONVERTER_1 + 3, "m"),
+    "pressure_high": (loop.HIGH_PRESSURE, "Pa"),
+}
+
+
+def to_dataset(result: VerifyResult) -> xr.Dataset:
+    """Return the last movement set of the worst case of each mass, ``(case, time)``."""
+    import xarray as xr
+
+    cases = result.worst_per_mass()
+    traces = np.stack([case.traces for case in cases])
+    time = result.study.study.controller.fast_sampling_period * np.arange(traces.shape[1])
+    data = {
+        name: xr.DataArray(
+            traces[:, :, column].astype(np.float32), dims=("case", "time"), attrs={"units": unit}
+        )
+        for name, (column, unit) in _COLUMNS.items()
+    }
+    coordinates = {
+        "time": xr.DataArray(time, dims="time", attrs={"units": "s"}),
+        "mass": xr.DataArray([c.mass_kg for c in cases], dims="case", attrs={"units": "kg"}),
+        "oil_bulk_modulus": xr.DataArray(
+            [c.oil_bulk_modulus_pa for c in cases], dims="case", attrs={"units": "Pa"}
+        ),
+        "seed": xr.DataArray([c.seed for c in cases], dims="case"),
+    }
+    attributes = {
+        "study": result.study.name,
+        "study_hash": result.study.hash(),
+        "mptune_version": version(),
+        "gains": json.dumps(result.gains.model_dump()),
+    }
+    return xr.Dataset(data, coordinates, attributes)
+
+
+def write_traces(path: Path, result: VerifyResult) -> Path:
+    """Write the traces as NetCDF, whole or not at all.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written.
+    """
+    dataset = to_dataset(result)
+    return write_whole_with(path, lambda beside: dataset.to_netcdf(beside, engine="h5netcdf"))
