@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from mptune.errors import Fault, InputError
 from mptune.files import read_text
+from mptune.params.recorded import read_load_table, read_references
 from mptune.params.study import ResolvedStudy, Study
 
 if TYPE_CHECKING:
@@ -43,6 +44,8 @@ def load_study(
     values = parse_toml(path, read_text(path))
     for override in overrides:
         _override(values, override)
+    read_references(path, values)
+    read_load_table(path, values)
     try:
         study = Study.model_validate(values)
     except ValidationError as error:

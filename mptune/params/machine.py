@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import Self
 
-from pydantic import model_validator
+from pydantic import Field, model_validator
 
 from mptune.params.section import Range, Section, quantity, refuse
 
@@ -69,6 +69,12 @@ class Hose(Section):
     length_a: float = quantity("m", "L_h,A", "length, A-side", at_least=0)
     length_b: float = quantity("m", "L_h,B", "length, B-side", at_least=0)
     bulk_modulus: float = quantity("Pa", "B_h", "bulk modulus of the hose", above=0)
+    dynamics: bool = Field(
+        default=False,
+        description="simulate the hoses as lines with inertia, the valves at their far end",
+    )
+    oil_density: float = quantity("kg/m^3", "ρ", "density of the oil", 870.0, above=0)
+    oil_viscosity: float = quantity("Pa s", "μ", "dynamic viscosity", 0.04, at_least=0)
 
     @property
     def volume_a(self) -> float:
@@ -136,6 +142,10 @@ class Load(Section):
     """What the piston pushes against, apart from the inertia (which is in ``[uncertainty]``)."""
 
     force: float = quantity("N", "F_load", "constant load force")
+    stiffness: float = quantity("N/m", "k_load", "rise of the load force with position", 0.0)
+    table: tuple[tuple[float, float, float], ...] = Field(
+        (), description="position [m], added load force [N], factor of the inertia [–]"
+    )
     friction_coulomb: float = quantity("N", "F_C", "Coulomb friction", at_least=0)
     friction_static: float = quantity("N", "F_S", "stiction", at_least=0)
     friction_viscous: float = quantity("N s/m", "b", "viscous friction", at_least=0)

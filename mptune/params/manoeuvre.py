@@ -12,10 +12,46 @@ from mptune.params.section import Range, Section, quantity, refuse
 class Manoeuvre(Section):
     """One move of the position reference, then a rest."""
 
-    kind: Literal["quintic"] = Field("quintic", description="shape of the reference")
-    distance: float = quantity("m", "A", "signed length of the move")
+    kind: Literal["quintic", "trapezoid", "s-curve", "sine", "file"] = Field(
+        "quintic", description="shape of the reference"
+    )
+    distance: float = quantity(
+        "m", "A", "signed length of the move; of a sine, from one end to the other", 0.0
+    )
     duration: float = quantity("s", "T", "time of the move", above=0)
     rest: float = quantity("s", "T_rest", "rest after the move", at_least=0)
+    ramp_share: float = quantity(
+        "1", "r", "share of the time for each ramp of trapezoid and s-curve", 0.25, above=0,
+        at_most=0.5,
+    )  # fmt: skip
+    cycles: int = quantity("1", "n", "cycles of a sine", 1, at_least=1)
+    samples: tuple[tuple[float, float], ...] = Field(
+        (), description="time [s] and position [m], read from the file that `file` names"
+    )
+
+    @model_validator(mode="after")
+    def _has_what_its_kind_needs(self) -> Self:
+        if (self.kind == "file") != bool(self.samples):
+            refuse(
+                'has either no file with kind = "file" or a file with another kind',
+                'write kind = "file" and file = "name.csv"',
+            )
+        return self
+
+    @property
+    def net_distance(self) -> float:
+        """How far from its begin the move ends [m]."""
+        if self.kind == "file":
+            return self.samples[-1][1] - self.samples[0][1]
+        return 0.0 if self.kind == "sine" else self.distance
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """Least and largest position on the way, from the begin [m]."""
+        places = [0.0, self.distance, self.net_distance]
+        if self.kind == "file":
+            places = [position - self.samples[0][1] for _, position in self.samples]
+        return min(places), max(places)
 
 
 class Verification(Section):

@@ -5,6 +5,8 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING, NamedTuple
 
+import numpy as np
+
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.params.controller import Controller, Gains
@@ -61,7 +63,9 @@ class Machine(NamedTuple):
     flow_coefficient: float
     transition_pressure: float
     mass: float
-    load: float
+    load: float  # F_load at the start position
+    load_stiffness: float
+    start: float
     friction_coulomb: float
     friction_static: float
     friction_viscous: float
@@ -77,6 +81,10 @@ class Machine(NamedTuple):
     converter_area: float
     converter_travel: float
     converter_friction: float
+    line_inertance: float  # Pa s²/m³, of each hose as a line; 0 where it is part of its chamber
+    line_inertance_b: float
+    line_resistance: float  # Pa s/m³
+    line_resistance_b: float
 
 
 class ForceSettings(NamedTuple):
@@ -122,6 +130,7 @@ class SignalSettings(NamedTuple):
 
 
 NO_PATH = MeasurementPath(0.0, 0.0, 0.0)
+NO_TABLE = np.zeros((0, 3))
 
 
 def pack_gains(gains: Gains) -> LoopGains:
@@ -154,6 +163,9 @@ def pack_machine(
     """Return one machine as a kernel tuple."""
     cylinder, hose, valves = study.study.cylinder, study.study.hose, study.study.valves
     supplies, outer = study.study.supplies, study.study.load
+    section = math.pi / 4 * hose.diameter**2
+    inertance = hose.oil_density / section if hose.dynamics else 0.0
+    resistance = 8 * math.pi * hose.oil_viscosity / section**2  # laminar
     return Machine(
         area_a=cylinder.area_a,
         area_b=cylinder.area_b,
@@ -168,6 +180,8 @@ def pack_machine(
         transition_pressure=valves.transition_pressure,
         mass=mass,
         load=load,
+        load_stiffness=outer.stiffness,
+        start=study.study.verification.start,
         friction_coulomb=outer.friction_coulomb,
         friction_static=outer.friction_static,
         friction_viscous=outer.friction_viscous,
@@ -183,7 +197,19 @@ def pack_machine(
         converter_area=supplies.converter_area,
         converter_travel=supplies.converter_travel,
         converter_friction=supplies.converter_friction,
+        line_inertance=inertance * hose.length_a,
+        line_inertance_b=inertance * hose.length_b,
+        line_resistance=resistance * hose.length_a,
+        line_resistance_b=resistance * hose.length_b,
     )
+
+
+def pack_table(study: ResolvedStudy) -> FloatArray:
+    """Return the boom's table ``(K, 3)``: position [m], load force [N], factor of the inertia.
+
+    It is kept apart from ``Machine``: kernels are twice as fast with tuples of plain numbers.
+    """
+    return np.array(study.study.load.table, np.float64).reshape(-1, 3)
 
 
 def pack_force(study: ResolvedStudy) -> ForceSettings:

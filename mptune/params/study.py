@@ -55,13 +55,14 @@ class Study(Section):
     def _moves_stay_within_the_stroke(self) -> Self:
         position = self.verification.start
         for index, move in enumerate(self.manoeuvre):
-            position += move.distance
-            if not 0 <= position <= self.cylinder.stroke:
-                refuse(
-                    f"has a manoeuvre (number {index + 1}) that leaves the stroke, "
-                    f"at {position:g} m",
-                    "shorten the move or change verification.start",
-                )
+            for place in move.reach:
+                if not 0 <= position + place <= self.cylinder.stroke:
+                    refuse(
+                        f"has a manoeuvre (number {index + 1}) that leaves the stroke, "
+                        f"at {position + place:g} m",
+                        "shorten the move or change verification.start",
+                    )
+            position += move.net_distance
         return self
 
     def source_of(self, key: str) -> str:

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 from mptune.arrays import FloatArray, inlined_kernel, kernel
 from mptune.plant.bulk import effective_bulk_modulus
 from mptune.plant.flow import orifice
-from mptune.plant.piston import friction
+from mptune.plant.piston import Burden, friction
 from mptune.plant.supplies import CONVERTERS, SUPPLIES, accumulator_pressure, port_pressure, share
 
 if TYPE_CHECKING:
@@ -19,6 +19,9 @@ if TYPE_CHECKING:
 
 X, V, PRESSURE_A, PRESSURE_B, CONVERTER, OIL = 0, 1, 2, 3, 4, 8
 STATES = 9
+# With hoses as lines: pressures at the valves' end, and flows towards the chambers.
+VALVE_END_A, VALVE_END_B, LINE_A, LINE_B = 9, 10, 11, 12
+LINE_STATES = 13
 # Energies [J], all since the start; see ``powers``.
 PUMP, ACCUMULATOR, TANK, PISTON, THROTTLING, CONVERTER_FRICTION, COMPRESSION, RELIEF = range(8)
 ENERGIES = 8
@@ -39,6 +42,7 @@ def rates(
     open_b: FloatArray,
     pumping: float,
     machine: Machine,
+    burden: Burden,
     slope: FloatArray,
     power: FloatArray,
 ) -> None:
@@ -54,9 +58,65 @@ def rates(
         1 while the pump runs, else 0.
     machine
         Parameters.
+    burden
+        Load and inertia about the present position.
     """
-    x, v = state[X], state[V]
     pressure_a, pressure_b = state[PRESSURE_A], state[PRESSURE_B]
+    flow_a, flow_b = _supply_flows(
+        state, pressure_a, pressure_b, open_a, open_b, pumping, machine, slope, power
+    )
+    _chamber_rates(
+        state, flow_a, flow_b, machine.hose_a, machine.hose_b, 0.0, machine, burden, slope, power
+    )
+
+
+@kernel
+def rates_with_lines(
+    state: FloatArray,
+    open_a: FloatArray,
+    open_b: FloatArray,
+    pumping: float,
+    machine: Machine,
+    burden: Burden,
+    slope: FloatArray,
+    power: FloatArray,
+) -> None:
+    """Do what ``rates`` does for the ``(13,)`` states of a machine with hoses as lines.
+
+    Each hose is a volume at the valves' end and one lump of oil with inertia and laminar friction.
+    """
+    end_a, end_b = state[VALVE_END_A], state[VALVE_END_B]
+    line_a, line_b = state[LINE_A], state[LINE_B]
+    flow_a, flow_b = _supply_flows(
+        state, end_a, end_b, open_a, open_b, pumping, machine, slope, power
+    )
+    modulus = 1 / (1 / machine.oil + 1 / machine.hose)  # Eq. 4 of a volume that is all hose
+    into_a, into_b = flow_a - line_a, flow_b - line_b
+    slope[VALVE_END_A] = _pressure_rate(end_a, modulus / machine.hose_a * into_a)
+    slope[VALVE_END_B] = _pressure_rate(end_b, modulus / machine.hose_b * into_b)
+    drop_a, drop_b = end_a - state[PRESSURE_A], end_b - state[PRESSURE_B]
+    slope[LINE_A] = (drop_a - machine.line_resistance * line_a) / machine.line_inertance
+    slope[LINE_B] = (drop_b - machine.line_resistance_b * line_b) / machine.line_inertance_b
+    stored = end_a * into_a + end_b * into_b + drop_a * line_a + drop_b * line_b
+    _chamber_rates(state, line_a, line_b, 0.0, 0.0, stored, machine, burden, slope, power)
+
+
+@inlined_kernel
+def _supply_flows(
+    state: FloatArray,
+    pressure_a: float,
+    pressure_b: float,
+    open_a: FloatArray,
+    open_b: FloatArray,
+    pumping: float,
+    machine: Machine,
+    slope: FloatArray,
+    power: FloatArray,
+) -> tuple[float, float]:
+    """Return the flows out of all supplies towards A and B, at the pressures that valves see.
+
+    The slopes of converters and accumulator are filled, and the powers of the supplies.
+    """
     high = accumulator_pressure(state[OIL], machine)
     low = machine.low_pressure
     flow_a, flow_b, from_high, from_low, throttled, rubbed = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -90,25 +150,53 @@ def rates(
         if 0 <= converter < CONVERTERS:
             slope[CONVERTER + converter] = -drawn / machine.converter_area
             rubbed += (ideal - pressure) * drawn
-    volume_a = machine.area_a * x + machine.dead_a
-    volume_b = machine.area_b * (machine.stroke - x) + machine.dead_b
-    bulk_a = effective_bulk_modulus(machine.oil, machine.hose, machine.hose_a, volume_a)
-    bulk_b = effective_bulk_modulus(machine.oil, machine.hose, machine.hose_b, volume_b)
-    squeezed_a = flow_a - machine.area_a * v
-    squeezed_b = flow_b + machine.area_b * v
-    slope[PRESSURE_A] = _pressure_rate(pressure_a, bulk_a / volume_a * squeezed_a)  # Eq. 1, line 1
-    slope[PRESSURE_B] = _pressure_rate(pressure_b, bulk_b / volume_b * squeezed_b)  # Eq. 1, line 2
-    force = machine.area_a * pressure_a - machine.area_b * pressure_b
-    slope[X] = v
-    slope[V] = (force - friction(v, machine) - machine.load) / machine.mass  # Eq. 1, line 3
     pumped = pumping * machine.pump_flow
     relieved = max(high - machine.relief_pressure, 0.0) * _RELIEF_GRADIENT
     slope[OIL] = pumped - from_high - relieved
     power[PUMP] = high * pumped
     power[ACCUMULATOR] = high * from_high
     power[TANK] = low * from_low
-    power[PISTON] = force * v
     power[THROTTLING] = throttled
     power[CONVERTER_FRICTION] = rubbed
-    power[COMPRESSION] = pressure_a * squeezed_a + pressure_b * squeezed_b
     power[RELIEF] = high * relieved
+    return flow_a, flow_b
+
+
+@inlined_kernel
+def _chamber_rates(
+    state: FloatArray,
+    flow_a: float,
+    flow_b: float,
+    hose_a: float,
+    hose_b: float,
+    stored: float,
+    machine: Machine,
+    burden: Burden,
+    slope: FloatArray,
+    power: FloatArray,
+) -> None:
+    """Fill the slopes of chambers and piston, and their powers.
+
+    ``hose_a`` and ``hose_b`` are the hose volumes that belong to the chambers [m³]; ``stored`` is
+    the power that goes into lines [W].
+    """
+    x, v = state[X], state[V]
+    pressure_a, pressure_b = state[PRESSURE_A], state[PRESSURE_B]
+    volume_a = machine.area_a * x + machine.dead_a - (machine.hose_a - hose_a)
+    away_b = machine.stroke - x
+    volume_b = machine.area_b * away_b + machine.dead_b - (machine.hose_b - hose_b)
+    bulk_a = effective_bulk_modulus(machine.oil, machine.hose, hose_a, volume_a)
+    bulk_b = effective_bulk_modulus(machine.oil, machine.hose, hose_b, volume_b)
+    squeezed_a = flow_a - machine.area_a * v
+    squeezed_b = flow_b + machine.area_b * v
+    slope[PRESSURE_A] = _pressure_rate(pressure_a, bulk_a / volume_a * squeezed_a)  # Eq. 1, line 1
+    slope[PRESSURE_B] = _pressure_rate(pressure_b, bulk_b / volume_b * squeezed_b)  # Eq. 1, line 2
+    force = machine.area_a * pressure_a - machine.area_b * pressure_b
+    away = x - burden.position
+    # A boom's inertia varies with position; half its slope times v² acts like a force (Lagrange).
+    opposed = burden.force + burden.stiffness * away + 0.5 * burden.mass_slope * v * v
+    opposed += friction(v, machine)
+    slope[X] = v
+    slope[V] = (force - opposed) / (burden.mass + burden.mass_slope * away)  # Eq. 1, line 3
+    power[PISTON] = force * v
+    power[COMPRESSION] = pressure_a * squeezed_a + pressure_b * squeezed_b + stored

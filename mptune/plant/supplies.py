@@ -20,8 +20,9 @@ SUPPLIES = 6
 CONVERTERS = 4
 
 _FRICTION_FLOW = 2e-6  # m³/s: below it converter friction is proportional to flow
-_ITERATIONS = 40
-_ENOUGH = 1.0  # Pa, of a Newton step; the next would be far smaller
+_ITERATIONS = 60
+_ENOUGH = 0.1  # Pa, of a halving step
+_NEWTON_ENOUGH = 10.0  # Pa, of a Newton step: the next would be well below 1 Pa
 
 
 @kernel
@@ -30,7 +31,7 @@ def share(supply: int) -> float:
     return supply / 5.0
 
 
-@kernel
+@inlined_kernel
 def accumulator_pressure(oil: float, machine: Machine) -> float:
     """Return p_HP [Pa] with ``oil`` [m³] in the accumulator; the gas is polytropic."""
     gas = machine.accumulator_volume - max(oil, 0.0)
@@ -113,6 +114,7 @@ def _solved(
     # A first guess that is nearly right: the chambers' pressure where friction can hold it.
     both = open_a + open_b
     pressure = min(max((open_a * pressure_a + open_b * pressure_b) / both, low), high)
+    last = 2 * (high - low) + _ENOUGH
     for _ in range(_ITERATIONS):
         to_a, to_b = pressure - pressure_a, pressure - pressure_b
         tr = m.transition_pressure
@@ -130,10 +132,13 @@ def _solved(
             high = pressure
         else:
             low = pressure
+        # Newton's step where it halves the one before and stays inside; else the middle.
         step = excess / slope
+        enough = _NEWTON_ENOUGH
+        if abs(step) > 0.5 * abs(last) or not low <= pressure - step <= high:
+            step, enough = pressure - 0.5 * (low + high), _ENOUGH
         pressure -= step
-        if not low <= pressure <= high:
-            pressure = 0.5 * (low + high)
-        if abs(step) < _ENOUGH or high - low < _ENOUGH:
+        last = step
+        if abs(step) < enough:
             break
     return pressure

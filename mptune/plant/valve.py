@@ -54,9 +54,9 @@ def command(valves: ValveState, valve: int, wanted: float, due: float) -> None:
         if np.isfinite(valves.due[valve, k]):
             place = k + 1
             due = max(due, valves.due[valve, k])
-    if place < PENDING:
-        valves.due[valve, place] = due
-        valves.wanted[valve, place] = wanted
+    place = min(place, PENDING - 1)  # of too many, the latest command still wins
+    valves.due[valve, place] = due
+    valves.wanted[valve, place] = wanted
     for k in range(valves.counters[1]):
         if valves.busy[k] == valve:
             return

@@ -18,14 +18,19 @@ from mptune.force.stop import stopped
 from mptune.plant.machine import (
     CONVERTER,
     ENERGIES,
+    LINE_STATES,
     OIL,
     PRESSURE_A,
     PRESSURE_B,
     STATES,
+    VALVE_END_A,
+    VALVE_END_B,
     V,
     X,
     rates,
+    rates_with_lines,
 )
+from mptune.plant.piston import burden_at
 from mptune.plant.supplies import accumulator_pressure
 from mptune.plant.valve import ValveState, advance, command, open_valves, quiet
 from mptune.signals.conditioning import backlash, median_of_three
@@ -33,8 +38,11 @@ from mptune.signals.trajectory import reference
 from mptune.signals.tustin import discretise
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mptune.force.search_space import SearchSpace
     from mptune.params.pack import ForceSettings, LoopGains, Machine, SignalSettings
+    from mptune.plant.piston import Burden
 
 SUBSTEPS, CALM_SUBSTEPS = 5, 2  # of the machine's integration in one tick of 0.5 ms
 _CALM = 1e4  # Pa over one tick: slower pressures are calm
@@ -83,7 +91,7 @@ class Delays(NamedTuple):
 class Memory(NamedTuple):
     """What machine and controller carry from tick to tick."""
 
-    state: FloatArray  # (9,) of the machine
+    state: FloatArray  # (13,) of the machine; (9,) are used but with hoses as lines
     energy: FloatArray  # (8,) J
     valves: ValveState
     raw: FloatArray  # (2, 9) the last two samples of each signal
@@ -115,11 +123,11 @@ class Work(NamedTuple):
 def new_work(valves: ValveState) -> Work:
     """Return room for the integration, with the valves as they stand."""
     work = Work(
-        np.empty(STATES),
-        np.empty(STATES),
-        np.empty(STATES),
-        np.full(STATES, np.inf),  # nothing is calm before the first step
-        np.empty(STATES),
+        np.zeros(LINE_STATES),
+        np.zeros(LINE_STATES),
+        np.zeros(LINE_STATES),
+        np.full(LINE_STATES, np.inf),  # nothing is calm before the first step
+        np.zeros(LINE_STATES),
         np.empty(ENERGIES),
         np.empty(6),
         np.empty(6),
@@ -138,13 +146,14 @@ def new_work(valves: ValveState) -> Work:
 def run_ticks(
     memory: Memory,
     machine: Machine,
+    table: FloatArray,
     delays: Delays,
     gains: LoopGains,
     ahead: Feedforward,
     signals: SignalSettings,
     settings: ForceSettings,
     space: SearchSpace,
-    moves: FloatArray,
+    pieces: FloatArray,
     start: float,
     begin: float,
     random: np.random.Generator,
@@ -156,10 +165,10 @@ def run_ticks(
     ----------
     memory
         Where the loop stands; carried on in place.
-    machine, delays, gains, ahead, signals, settings, space
+    machine, table, delays, gains, ahead, signals, settings, space
         The machine and its controller.
-    moves
-        ``(M, 3)`` distance [m], duration [s] and rest [s].
+    pieces
+        ``(P, 7)`` the reference, see ``mptune.signals.trajectory``.
     start
         Position before the first move [m].
     begin
@@ -172,7 +181,7 @@ def run_ticks(
     work = new_work(memory.valves)
     for tick in range(len(trace)):
         now = begin + tick * tick_time
-        step, v_ref, a_ref = reference(tick * tick_time, moves)
+        step, v_ref, a_ref = reference(tick * tick_time, pieces)
         x_ref = start + step
         outer = memory.outer
         outer[REFERENCE] += (1 - ahead.reference_pole) * (x_ref - outer[REFERENCE])
@@ -189,7 +198,7 @@ def run_ticks(
             outer[PUMPING] = 1.0
         elif high > machine.pump_off:
             outer[PUMPING] = 0.0
-        _integrate(memory, machine, delays.ramp, now, tick_time, work)
+        _integrate(memory, machine, table, delays.ramp, now, tick_time, work)
 
 
 @kernel
@@ -313,13 +322,20 @@ def _record(row: FloatArray, memory: Memory, x_ref: float, v_ref: float, machine
 
 @kernel
 def _integrate(
-    memory: Memory, machine: Machine, ramp: float, now: float, span: float, work: Work
+    memory: Memory,
+    machine: Machine,
+    table: FloatArray,
+    ramp: float,
+    now: float,
+    span: float,
+    work: Work,
 ) -> None:
     """Advance the machine over one tick.
 
     While no valve moves and the pressures hardly do, two steps are as good as five.
     """
     valves = memory.valves
+    burden = burden_at(memory.state[X], machine, table)
     still = quiet(valves, now + span)
     rate = max(abs(work.k4[PRESSURE_A]), abs(work.k4[PRESSURE_B]))  # at the end of the last step
     substeps = CALM_SUBSTEPS if still and rate * span < _CALM else SUBSTEPS
@@ -334,42 +350,50 @@ def _integrate(
             moved = advance(valves, at + 0.5 * h, 0.5 * h, ramp) or moved
             if moved:
                 open_valves(valves, work.end_a, work.end_b)
-        runge_kutta(memory, machine, h, work)
+        if machine.line_inertance > 0:
+            runge_kutta_with_lines(memory, machine, burden, h, work)
+        else:
+            runge_kutta(memory, machine, burden, h, work)
         if moved:
             open_valves(valves, work.start_a, work.start_b)
             open_valves(valves, work.middle_a, work.middle_b)
 
 
 @inlined_kernel
-def runge_kutta(memory: Memory, machine: Machine, h: float, work: Work) -> None:
-    """Advance the machine by one step of the classical Runge-Kutta method."""
-    state, pumping = memory.state, memory.outer[PUMPING]
-    k1, k2, k3, k4 = work.k1, work.k2, work.k3, work.k4
-    ahead, power = work.ahead, work.power
-    rates(state, work.start_a, work.start_b, pumping, machine, k1, power)
+def _spend(energy: FloatArray, share: float, power: FloatArray) -> None:
     for i in range(ENERGIES):
-        memory.energy[i] += h / 6 * power[i]
-    for i in range(STATES):
-        ahead[i] = state[i] + 0.5 * h * k1[i]
-    rates(ahead, work.middle_a, work.middle_b, pumping, machine, k2, power)
-    for i in range(ENERGIES):
-        memory.energy[i] += h / 3 * power[i]
-    for i in range(STATES):
-        ahead[i] = state[i] + 0.5 * h * k2[i]
-    rates(ahead, work.middle_a, work.middle_b, pumping, machine, k3, power)
-    for i in range(ENERGIES):
-        memory.energy[i] += h / 3 * power[i]
-    for i in range(STATES):
-        ahead[i] = state[i] + h * k3[i]
-    rates(ahead, work.end_a, work.end_b, pumping, machine, k4, power)
-    for i in range(ENERGIES):
-        memory.energy[i] += h / 6 * power[i]
-    for i in range(STATES):
-        state[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i])
-    _stops(state, machine)
+        energy[i] += share * power[i]
 
 
-@kernel
+def _stepper(slopes: Callable[..., None], count: int) -> Callable[..., None]:
+    """Return one step of the classical Runge-Kutta method for a right-hand side of its own."""
+
+    def step(memory: Memory, machine: Machine, burden: Burden, h: float, work: Work) -> None:
+        state, energy, pumping = memory.state, memory.energy, memory.outer[PUMPING]
+        k1, k2, k3, k4 = work.k1, work.k2, work.k3, work.k4
+        ahead, power = work.ahead, work.power
+        slopes(state, work.start_a, work.start_b, pumping, machine, burden, k1, power)
+        _spend(energy, h / 6, power)
+        for i in range(count):
+            ahead[i] = state[i] + 0.5 * h * k1[i]
+        slopes(ahead, work.middle_a, work.middle_b, pumping, machine, burden, k2, power)
+        _spend(energy, h / 3, power)
+        for i in range(count):
+            ahead[i] = state[i] + 0.5 * h * k2[i]
+        slopes(ahead, work.middle_a, work.middle_b, pumping, machine, burden, k3, power)
+        _spend(energy, h / 3, power)
+        for i in range(count):
+            ahead[i] = state[i] + h * k3[i]
+        slopes(ahead, work.end_a, work.end_b, pumping, machine, burden, k4, power)
+        _spend(energy, h / 6, power)
+        for i in range(count):
+            state[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i])
+        _stops(state, machine)
+
+    return step
+
+
+@inlined_kernel
 def _stops(state: FloatArray, machine: Machine) -> None:
     """Hold piston, converters and pressures inside what is physically possible."""
     if state[X] < 0 or state[X] > machine.stroke:
@@ -377,6 +401,13 @@ def _stops(state: FloatArray, machine: Machine) -> None:
         state[V] = 0.0
     state[PRESSURE_A] = max(state[PRESSURE_A], 0.0)
     state[PRESSURE_B] = max(state[PRESSURE_B], 0.0)
+    if machine.line_inertance > 0:
+        state[VALVE_END_A] = max(state[VALVE_END_A], 0.0)
+        state[VALVE_END_B] = max(state[VALVE_END_B], 0.0)
     for i in range(4):
         place = state[CONVERTER + i]
         state[CONVERTER + i] = min(max(place, -machine.converter_travel), machine.converter_travel)
+
+
+runge_kutta = inlined_kernel(_stepper(rates, STATES))
+runge_kutta_with_lines = kernel(_stepper(rates_with_lines, LINE_STATES))

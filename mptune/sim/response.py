@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from mptune.params.pack import LoopGains, MeasurementPath, Plants
 
 _LONGEST_STEP = 5e-4  # s; and no longer than a sample of the measurement path
-_NO_MOVES = np.zeros((0, 3))
+_AT_REST = np.zeros((1, 7))
 
 
 def velocity_step(
@@ -35,14 +35,14 @@ def velocity_step(
     from mptune.params.pack import LoopGains
 
     gains = LoopGains(k_p_vel, 0.0, 0.0, 1.0, 0.0, 1.0)
-    return _responses(plants, share_a, gains, path, time, _NO_MOVES, 1.0, 0.0)[:, :, 1]
+    return _responses(plants, share_a, gains, path, time, _AT_REST, 1.0, 0.0)[:, :, 1]
 
 
 def position_step(
     plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, time: FloatArray
 ) -> FloatArray:
     """Return the position after a unit step of the position reference alone, ``(N, T)``."""
-    return _responses(plants, share_a, gains, path, time, _NO_MOVES, 0.0, 1.0)[:, :, 0]
+    return _responses(plants, share_a, gains, path, time, _AT_REST, 0.0, 1.0)[:, :, 0]
 
 
 def tracking(
@@ -51,13 +51,13 @@ def tracking(
     gains: LoopGains,
     path: MeasurementPath,
     time: FloatArray,
-    moves: FloatArray,
+    pieces: FloatArray,
 ) -> tuple[FloatArray, FloatArray]:
     """Return position and velocity, ``(N, T)`` each, for moves with velocity feed-forward.
 
-    ``moves`` ``(M, 3)`` holds distance [m], duration [s] and rest [s] of each move.
+    ``pieces`` ``(P, 7)`` is the reference, see ``mptune.signals.trajectory``.
     """
-    found = _responses(plants, share_a, gains, path, time, moves, 0.0, 0.0)
+    found = _responses(plants, share_a, gains, path, time, pieces, 0.0, 0.0)
     return found[:, :, 0], found[:, :, 1]
 
 
@@ -68,7 +68,7 @@ def _responses(
     gains: LoopGains,
     path: MeasurementPath,
     time: FloatArray,
-    moves: FloatArray,
+    pieces: FloatArray,
     velocity_level: float,
     position_level: float,
 ) -> FloatArray:
@@ -77,7 +77,7 @@ def _responses(
     for n in numba.prange(count):
         plant = (plants.mass[n], plants.delay[n], plants.tau_a[n], plants.tau_b[n], share_a)
         levels = (velocity_level, position_level)
-        _response(plant, gains, path, time, moves, levels, found[n])
+        _response(plant, gains, path, time, pieces, levels, found[n])
     return found
 
 
@@ -229,7 +229,7 @@ def _response(
     gains: LoopGains,
     path: MeasurementPath,
     time: FloatArray,
-    moves: FloatArray,
+    pieces: FloatArray,
     levels: tuple[float, float],
     found: FloatArray,
 ) -> None:
@@ -251,7 +251,7 @@ def _response(
             past = _hermite(row[0], row[1], row[2], row[3], h)
         lag_a, lag_b = _lag(side_a, tau_a, past, h), _lag(side_b, tau_b, past, h)
         start = share_a * (lag_a[0] + lag_a[4]) + (1 - share_a) * (lag_b[0] + lag_b[4])
-        r, v_ref, a_ref = reference(k * h, moves)
+        r, v_ref, a_ref = reference(k * h, pieces)
         error, error_slope = levels[1] + r - y[k], v_ref - dy[k]
         if path.sample_time == 0:
             measured, measured_slope = v[k], start / mass
@@ -271,7 +271,7 @@ def _response(
         else:
             measured, measured_slope = _measured(k + 1, h, path, x, v, y, dy)
 
-        r, v_ref, a_ref = reference((k + 1) * h, moves)
+        r, v_ref, a_ref = reference((k + 1) * h, pieces)
         next_error, next_slope = levels[1] + r - y[k + 1], v_ref - dy[k + 1]
         errors = _hermite(error, error_slope, next_error, next_slope, h)
         lag1, lag2, integral = _advance_controller(lag1, lag2, integral, errors, gains.tau, h)

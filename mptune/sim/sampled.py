@@ -18,6 +18,7 @@ from mptune.loops.family import time_constants_at
 from mptune.params.pack import LoopGains, MeasurementPath, pack_filters, pack_gains
 from mptune.signals.trajectory import reference
 from mptune.signals.tustin import discretise
+from mptune.sim.moves import moves_of
 
 if TYPE_CHECKING:
     from mptune.params.controller import Feedforward, Gains
@@ -81,11 +82,11 @@ def linear_moves(
     """
     machine = study.study
     gains = gains or machine.gains
-    moves = np.array([(m.distance, m.duration, m.rest) for m in machine.manoeuvre])
+    moves = moves_of(machine.manoeuvre)
     path = pack_filters(machine.controller)
     ahead = _pack_feedforward(feedforward or machine.feedforward, path.sample_time)
     period = machine.controller.sampling_period
-    ticks = round(float(moves[:, 1:].sum()) / path.sample_time)
+    ticks = round(moves.duration / path.sample_time)
     results = []
     for mass in machine.verification.masses:
         for pair in machine.verification.delay_ranges():
@@ -93,8 +94,10 @@ def linear_moves(
             for modulus in machine.verification.oil_bulk_moduli:
                 tau_a, tau_b = time_constants_at(study, modulus, machine.verification.start)
                 plant = SampledPlant(mass, delay, tau_a, tau_b, machine.cylinder.share_a)
-                traces = run_linear(plant, pack_gains(gains), path, period, moves, ahead, ticks)
-                results.append(_judge(mass, delay, modulus, path.sample_time, moves, traces))
+                traces = run_linear(
+                    plant, pack_gains(gains), path, period, moves.pieces, ahead, ticks
+                )
+                results.append(_judge(mass, delay, modulus, path.sample_time, moves.reach, traces))
     return tuple(results)
 
 
@@ -114,11 +117,11 @@ def _judge(
     delay: float,
     modulus: float,
     sample_time: float,
-    moves: FloatArray,
+    reach: float,
     traces: FloatArray,
 ) -> LinearMove:
     wanted, position, velocity, force = traces
-    limit = _DIVERGED * float(np.abs(moves[:, 0]).max())
+    limit = _DIVERGED * reach
     stable = bool(np.isfinite(traces).all() and np.abs(position).max() < limit)
     index = float("nan")
     if stable:
@@ -160,7 +163,7 @@ def run_linear(
     gains: LoopGains,
     path: MeasurementPath,
     period: float,
-    moves: FloatArray,
+    pieces: FloatArray,
     ahead: FeedforwardTuple,
     ticks: int,
 ) -> FloatArray:
@@ -172,8 +175,8 @@ def run_linear(
         The machine, the gains, and the measurement path at T_S,fast.
     period
         T_S [s].
-    moves
-        ``(M, 3)`` distance [m], duration [s] and rest [s].
+    pieces
+        ``(P, 7)`` the reference, see ``mptune.signals.trajectory``.
     ahead
         Feed-forward.
     ticks
@@ -192,7 +195,7 @@ def run_linear(
     lag1, lag2, integral, last_error = 0.0, 0.0, 0.0, 0.0
     lagged, lagged_velocity = 0.0, 0.0
     for tick in range(ticks):
-        r, v_ref, a_ref = reference(tick * fast, moves)
+        r, v_ref, a_ref = reference(tick * fast, pieces)
         lagged = ahead.reference_pole * lagged + (1 - ahead.reference_pole) * r
         kept = ahead.velocity_reference_pole
         lagged_velocity = kept * lagged_velocity + (1 - kept) * v_ref

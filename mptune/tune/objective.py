@@ -9,11 +9,14 @@ import numpy as np
 
 from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.robust.condition import nominal_loops
-from mptune.signals.trajectory import reference
+from mptune.sim.moves import Moves, moves_of
 from mptune.sim.response import tracking
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
     from mptune.arrays import FloatArray
+    from mptune.params.manoeuvre import Manoeuvre
     from mptune.params.requirements import Objective
 
 _SAMPLES_PER_MOVE = 200
@@ -60,14 +63,18 @@ class Judge:
         nominal: NominalPlant,
         share_a: float,
         path: MeasurementPath,
-        moves: FloatArray,
+        manoeuvres: Sequence[Manoeuvre],
     ) -> None:
         self._plants = corners(plants)
         self._nominal = nominal
         self._share_a = share_a
         self._path = path
-        shapes = np.unique(np.abs(moves[:, 1:]), axis=0)  # linear: the distance cancels
-        self._moves = [np.array([[1.0, duration, rest]]) for duration, rest in shapes]
+        # The loop is linear: moves that differ by their distance only have the same index.
+        alike = {
+            move if move.kind == "file" else move.model_copy(update={"distance": 1.0})
+            for move in manoeuvres
+        }
+        self._moves = [moves_of([move]) for move in sorted(alike, key=repr)]
 
     def figures(self, gains: LoopGains) -> Figures:
         """Return the figures of merit of one set of gains."""
@@ -113,15 +120,14 @@ def corners(plants: Plants) -> Plants:
 
 
 def family_index(
-    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, move: FloatArray
+    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, move: Moves
 ) -> FloatArray:
     """Return each plant's peak position error over its peak velocity [s] for one move, ``(N,)``.
 
     Continuous controller, exact dead time, velocity feed-forward (§7.2).
     """
-    duration, rest = move[0, 1], move[0, 2]
-    time = np.linspace(0, duration + rest, _SAMPLES_PER_MOVE + 1)
-    wanted = np.array([reference(instant, move)[0] for instant in time])
-    position, velocity = tracking(plants, share_a, gains, path, time, move)
+    time = np.linspace(0, move.duration, _SAMPLES_PER_MOVE + 1)
+    wanted = move.sampled(_SAMPLES_PER_MOVE)
+    position, velocity = tracking(plants, share_a, gains, path, time, move.pieces)
     error = np.abs(position - wanted).max(axis=1)
     return np.asarray(error / np.abs(velocity).max(axis=1))

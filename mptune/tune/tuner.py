@@ -108,8 +108,7 @@ def tune(
     velocity = largest_velocity_gain(
         plants, nominal, share_a, start, path, requirements.velocity_ratio, upper
     )
-    moves = np.array([(m.distance, m.duration, m.rest) for m in study.study.manoeuvre])
-    judge = Judge(plants, nominal, share_a, path, moves)
+    judge = Judge(plants, nominal, share_a, path, study.study.manoeuvre)
     before = judge.figures(start)
     least = requirements.bounds.k_p_vel[0] if requirements.bounds.k_p_vel else 0.0
     if velocity.k_p_vel <= least:

@@ -13,6 +13,7 @@ from mptune.verify.result import SetFigures
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.params.pack import Machine
+    from mptune.sim.moves import Moves
 
 _DEVIATION = 0.2  # of the peak reference velocity: a larger one counts as a swing
 _PERIOD = 0.25  # s: swings further apart are no oscillation
@@ -21,7 +22,7 @@ LIMIT_CYCLE_SWINGS = 8  # alternating swings in a row
 
 def set_figures(
     trace: FloatArray,
-    moves: FloatArray,
+    moves: Moves,
     energy: FloatArray,
     switches: int,
     machine: Machine,
@@ -35,7 +36,7 @@ def set_figures(
     trace
         ``(T, 15)``.
     moves
-        ``(M, 3)`` distance [m], duration [s], rest [s].
+        The reference.
     energy
         ``(8,)`` energies of the set [J].
     switches
@@ -51,9 +52,8 @@ def set_figures(
     velocity = trace[:, loop.VELOCITY]
     force = machine.area_a * trace[:, loop.CHAMBER_A] - machine.area_b * trace[:, loop.CHAMBER_B]
     force_error = (trace[:, loop.F_REF] - force) * trace[:, loop.ACTIVE]
-    ends = np.cumsum(moves[:, 1] + moves[:, 2]) / tick
-    last = np.clip(np.rint(ends).astype(np.int64) - 1, 0, len(trace) - 1)
-    travel = 1e3 * float(np.abs(moves[:, 0]).sum())
+    last = np.clip(np.rint(moves.ends / tick).astype(np.int64) - 1, 0, len(trace) - 1)
+    travel = 1e3 * moves.travel
     given = energy[plant.ACCUMULATOR] + energy[plant.TANK]
     spent = energy[[plant.PISTON, plant.THROTTLING, plant.CONVERTER_FRICTION, plant.COMPRESSION]]
     chambers = trace[:, [loop.CHAMBER_A, loop.CHAMBER_B]]

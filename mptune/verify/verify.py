@@ -11,10 +11,13 @@ from mptune.arrays import frozen
 from mptune.errors import Fault, InputError
 from mptune.force.cost import force_limits
 from mptune.force.search_space import search_space
-from mptune.params.pack import pack_force, pack_gains, pack_machine, pack_signals
+from mptune.params.pack import pack_force, pack_gains, pack_machine, pack_signals, pack_table
+from mptune.plant import machine as plant
+from mptune.plant.piston import burden_at
 from mptune.plant.supplies import oil_at_pressure
 from mptune.plant.valve import shut_valves
 from mptune.sim import closed_loop as loop
+from mptune.sim.moves import moves_of
 from mptune.verify.figures import LIMIT_CYCLE_SWINGS, first_broken_limit, set_figures
 from mptune.verify.result import CaseResult, CaseStatus, SetFigures, VerifyResult
 
@@ -99,7 +102,7 @@ def _check(study: ResolvedStudy) -> None:
                     "lengthen controller.sampling_period or take faster valves",
                 ),
             )
-    net = sum(move.distance for move in study.study.manoeuvre)
+    net = sum(move.net_distance for move in study.study.manoeuvre)
     if asked.repeats > 1 and abs(net) > 1e-9:
         raise InputError(
             study.name,
@@ -118,12 +121,12 @@ def run_case(
     """Run one machine through its movement sets; memory does not grow with their number."""
     machine = pack_machine(study, case.mass, case.oil_bulk_modulus, case.load_force)
     controller, asked = study.study.controller, study.study.verification
+    table = pack_table(study)
     signals, settings, space = pack_signals(controller), pack_force(study), search_space()
     packed, ahead = pack_gains(gains), _pack_ahead(feedforward, controller.fast_sampling_period)
-    moves = np.array([(m.distance, m.duration, m.rest) for m in study.study.manoeuvre])
-    length = float(moves[:, 1:].sum())
+    moves = moves_of(study.study.manoeuvre)
     # Whole sampling periods, so that every set begins with a decision.
-    ticks = signals.ticks * int(np.ceil(length / controller.sampling_period - 1e-9))
+    ticks = signals.ticks * int(np.ceil(moves.duration / controller.sampling_period - 1e-9))
     memory = new_memory(study, machine, packed, asked.start)
     limits = force_limits(settings)
     random = np.random.default_rng(case.seed)
@@ -135,7 +138,10 @@ def run_case(
         before, switched = memory.energy.copy(), int(memory.valves.counters[0])
         begin = number * ticks * signals.sample_time
         loop.run_ticks(
-            memory, machine, _delays(study, case), packed, ahead, signals, settings, space, moves,
+            memory,
+            machine,
+            table, _delays(study, case), packed, ahead, signals, settings, space,
+            moves.pieces,
             asked.start, begin, random, trace,
         )  # fmt: skip
         finite = bool(np.isfinite(trace).all())
@@ -201,13 +207,16 @@ def new_memory(
     supplies = study.study.supplies
     high = 0.5 * (supplies.pump_on + supplies.pump_off)
     pressure_b = _START_PRESSURE_B
-    pressure_a = (machine.load + machine.area_b * pressure_b) / machine.area_a
-    state: FloatArray = np.zeros(9)
-    state[[0, 2, 3, 8]] = start, pressure_a, pressure_b, oil_at_pressure(high, machine)
+    load = burden_at(start, machine, pack_table(study)).force
+    pressure_a = (load + machine.area_b * pressure_b) / machine.area_a
+    state: FloatArray = np.zeros(plant.LINE_STATES)
+    state[plant.X], state[plant.OIL] = start, oil_at_pressure(high, machine)
+    state[[plant.PRESSURE_A, plant.VALVE_END_A]] = pressure_a
+    state[[plant.PRESSURE_B, plant.VALVE_END_B]] = pressure_b
     signals = np.zeros(loop.SIGNALS)
     signals[:5] = start, pressure_a, pressure_b, high, machine.low_pressure
     outer = np.zeros(9)
-    outer[loop.INTEGRAL] = machine.load / gains.k_p_vel
+    outer[loop.INTEGRAL] = load / gains.k_p_vel
     outer[loop.REFERENCE] = start
     return loop.Memory(
         state=state,

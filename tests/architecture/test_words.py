@@ -45,7 +45,12 @@ PROMISED_KEYS = {
         "repeats",
     },
 }
-NUMBERS_OF_THEIR_OWN = {"Requirements.velocity_ratio", "Requirements.position_ratio"}
+NUMBERS_OF_THEIR_OWN = {
+    "Load.table",
+    "Manoeuvre.samples",
+    "Requirements.velocity_ratio",
+    "Requirements.position_ratio",
+}
 
 
 def sections(model):

@@ -8,9 +8,10 @@ from scipy.integrate import solve_ivp
 
 from mptune.params.controller import Feedforward
 from mptune.params.pack import pack_filters, pack_gains
+from mptune.signals.trajectory import quintic
 from mptune.sim.sampled import FeedforwardTuple, SampledPlant, linear_moves, run_linear
 
-MOVE = np.array([[0.07, 1.25, 0.5]])
+MOVE = quintic(0.07, 1.25)
 
 
 @pytest.fixture(scope="module")
@@ -91,6 +92,6 @@ def test_response_is_linear_in_the_distance(boom, run):
     path = pack_filters(boom.study.controller)
     once, twice = (
         run_linear(plant, gains, path, 0.01, factor * MOVE, FeedforwardTuple(0, 0, 0), 2000)
-        for factor in (np.array([1, 1, 1]), np.array([2, 1, 1]))
+        for factor in (1, 2)
     )
     np.testing.assert_allclose(twice, 2 * once, rtol=1e-9, atol=1e-9)

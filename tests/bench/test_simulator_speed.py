@@ -1,0 +1,141 @@
+"""How fast the nonlinear machine and its force controller are, and that they keep their memory.
+
+One core; run with ``make bench``.
+"""
+
+import resource
+import time
+
+import numba
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from mptune.force.cost import supply_pressures
+from mptune.force.search_space import search_space
+from mptune.force.select import decide
+from mptune.params.load import load_study
+from mptune.params.pack import NO_TABLE, pack_force, pack_gains, pack_machine
+from mptune.plant import machine as plant
+from mptune.plant.piston import burden_at
+from mptune.plant.valve import open_valves
+from mptune.sim import closed_loop as loop
+from mptune.verify.verify import cases_of, new_memory, run_case
+
+pytestmark = pytest.mark.bench
+
+TICK = 5e-4  # s
+SET = 9.0  # s of simulated time in one movement set
+
+
+@pytest.fixture(scope="module")
+def run(study_file):
+    def runs(repeats):
+        asked = f"verification.repeats={repeats}"
+        study = load_study(study_file, ['verification.masses=["24.5 t"]', asked])
+        return run_case(study, cases_of(study)[0], study.study.gains, study.study.feedforward)
+
+    runs(1)  # compile, or load from the cache
+    return runs
+
+
+def seconds(function):
+    start = time.perf_counter()
+    function()
+    return time.perf_counter() - start
+
+
+def test_a_decision_takes_at_most_12_microseconds(boom):
+    settings, space = pack_force(boom), search_space()
+    supplies, converters = supply_pressures(2e6, 14e6), np.array([0.01, -0.02, 0.03, 0.0])
+    random = np.random.default_rng(1)
+    pressures = random.uniform(2e6, 14e6, (2000, 2))
+
+    def batch():
+        states = 0, 0
+        for p_a, p_b in pressures:
+            states = decide(
+                2e4, p_a, p_b, 0.15, 0.05, supplies, converters, *states, space, settings
+            )
+
+    batch()
+    times = [seconds(batch) / len(pressures) for _ in range(7)]
+    print(f"\none decision: {1e6 * np.median(times):.1f} µs, called from Python")
+    assert np.median(times) <= 12e-6
+
+
+def test_closed_loop_runs_at_150_times_real_time(run):
+    times = [seconds(lambda: run(1)) for _ in range(15)]
+    factor = SET / float(np.median(times))
+    print(f"\none set of {SET:g} s: {1e3 * np.median(times):.1f} ms, {factor:.0f} x real time")
+    assert factor >= 150
+
+
+@numba.njit
+def integrate(memory, machine, ticks):
+    work = loop.new_work(memory.valves)
+    for tick in range(ticks):
+        loop._integrate(memory, machine, NO_TABLE, 2e-3, tick * TICK, TICK, work)
+
+
+@pytest.mark.parametrize("method", ["LSODA", "RK45"])
+def test_integration_is_at_least_3_times_faster_than_scipy_with_the_same_compiled_rates(
+    boom, method
+):
+    """The same compiled rates from ten states, 10 ms each: the time between two decisions."""
+    machine, space = pack_machine(boom, 24500.0, 1.2e9, 9700.0), search_space()
+    random, span = np.random.default_rng(3), 0.01
+    scale = np.array([1, 1, 1e6, 1e6, 1, 1, 1, 1, 1e-3])
+    power, open_a, open_b = np.empty(plant.ENERGIES), np.empty(6), np.empty(6)
+
+    def slope(_, y):
+        rate = np.empty(plant.STATES)
+        plant.rates(
+            y * scale, open_a, open_b, 0.0, machine, burden_at(y[0], machine, NO_TABLE), rate, power
+        )
+        return rate / scale
+
+    fast = slow = deviation = 0.0
+    for _ in range(10):
+        memory = new_memory(boom, machine, pack_gains(boom.study.gains), 0.15)
+        memory.state[1:4] = random.uniform([-0.1, 4e6, 4e6], [0.1, 12e6, 12e6])
+        opening = [space.valves[state] for state in random.integers(1, 28, 2)]
+        for array in (memory.valves.opening, memory.valves.target, memory.valves.commanded):
+            array[:] = np.concatenate(opening)
+        open_valves(memory.valves, open_a, open_b)
+        start, times = memory.state[: plant.STATES].copy(), []
+        for _ in range(9):
+            memory.state[: plant.STATES] = start
+            times.append(seconds(lambda memory=memory: integrate(memory, machine, 20)))
+        fast += float(np.median(times))
+        solved = []
+        slow += seconds(
+            lambda start=start, solved=solved: solved.append(
+                solve_ivp(slope, (0, span), start / scale, method, rtol=1e-6, atol=1e-8)
+            )
+        )
+        assert solved[0].success
+        exact = solved[0].y[:, -1] * scale
+        deviation = max(deviation, np.abs(memory.state[2:4] - exact[2:4]).max())
+    print(
+        f"\n{10 * span:g} s: {method} {1e3 * slow:.1f} ms, mptune {1e3 * fast:.2f} ms, "
+        f"{slow / fast:.0f} times faster; pressures at most {deviation:.0f} Pa apart"
+    )
+    assert slow / fast >= 3
+
+
+def test_memory_stays_flat_over_an_hour_of_simulated_time(run):
+    """400 movement sets; the high-water mark of the process after the first 20 must hold."""
+    run(20)
+    before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+    start = time.perf_counter()
+    case = run(400)
+    elapsed = time.perf_counter() - start
+    grown = (resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before) / 1024
+    print(
+        f"\n400 sets in {elapsed:.1f} s, {400 * SET / elapsed:.0f} x real time; "
+        f"{case.status}, memory +{grown:.1f} MiB"
+    )
+    assert len(case.sets) == 399
+    assert np.isfinite(case.traces).all()
+    assert grown < 10
