@@ -5,7 +5,13 @@ Where each equation of the paper stands:
 =========  ==========================================================
 Equation   Module
 =========  ==========================================================
+1          ``mptune.plant.machine``
+2, 3       ``mptune.plant.flow``, ``mptune.force.search_space``
 4          ``mptune.plant.bulk``
+5          ``mptune.force.estimator``
+6          ``mptune.force.search_space``
+7, 8       ``mptune.force.cost``, ``mptune.force.select``
+9, 10      ``mptune.force.stop``
 11, 12     ``mptune.loops.force_dynamics``
 14-16, 18  ``mptune.loops.velocity``
 17, 21     ``mptune.robust.condition``
@@ -27,6 +33,7 @@ from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     from mptune.errors import InputError, MptuneError, OutputError
+    from mptune.force.controller import ForceController
     from mptune.job import run
     from mptune.params.gains import read_gains, write_gains
     from mptune.params.load import load_study
@@ -34,8 +41,10 @@ if TYPE_CHECKING:
     from mptune.robust.sweep import sweep
     from mptune.sim.sampled import linear_moves
     from mptune.tune.tuner import tune
+    from mptune.verify.verify import verify
 
 _HOMES = {
+    "ForceController": "mptune.force.controller",
     "InputError": "mptune.errors",
     "LEDGER": "mptune.params.paper",
     "MptuneError": "mptune.errors",
@@ -47,12 +56,14 @@ _HOMES = {
     "run": "mptune.job",
     "sweep": "mptune.robust.sweep",
     "tune": "mptune.tune.tuner",
+    "verify": "mptune.verify.verify",
     "write_gains": "mptune.params.gains",
 }
 
 __all__ = [
     "LEDGER",
     "PUBLISHED_GAINS",
+    "ForceController",
     "InputError",
     "MptuneError",
     "OutputError",
@@ -62,6 +73,7 @@ __all__ = [
     "run",
     "sweep",
     "tune",
+    "verify",
     "write_gains",
 ]
 

@@ -73,24 +73,46 @@ def port_pressure(
     blocked
         0, or the end at which the piston stands.
     """
+    scale, tr = machine.flow_coefficient, machine.transition_pressure
     free = _solved(
-        ideal, open_a, open_b, pressure_a, pressure_b, machine.converter_friction, machine
+        ideal, open_a, open_b, pressure_a, pressure_b, machine.converter_friction, scale, tr
     )
     if blocked == 0:
         return free
-    flow = _net_flow(free, open_a, open_b, pressure_a, pressure_b, machine)
+    return _at_end(free, open_a, open_b, pressure_a, pressure_b, blocked, scale, tr)
+
+
+@kernel
+def _at_end(
+    free: float,
+    open_a: float,
+    open_b: float,
+    pressure_a: float,
+    pressure_b: float,
+    blocked: int,
+    scale: float,
+    tr: float,
+) -> float:
+    """Return the port's pressure with the piston at an end: rare, so it is kept out of line."""
+    flow = _net_flow(free, open_a, open_b, pressure_a, pressure_b, scale, tr)
     if flow * blocked >= 0:
         return free
-    return _solved(0.0, open_a, open_b, pressure_a, pressure_b, -1.0, machine)
+    return _solved(0.0, open_a, open_b, pressure_a, pressure_b, -1.0, scale, tr)
 
 
 @inlined_kernel
 def _net_flow(
-    pressure: float, open_a: float, open_b: float, pressure_a: float, pressure_b: float, m: Machine
+    pressure: float,
+    open_a: float,
+    open_b: float,
+    pressure_a: float,
+    pressure_b: float,
+    scale: float,
+    tr: float,
 ) -> float:
-    towards_a = open_a * orifice(pressure - pressure_a, m.transition_pressure)
-    towards_b = open_b * orifice(pressure - pressure_b, m.transition_pressure)
-    return m.flow_coefficient * (towards_a + towards_b)
+    towards_a = open_a * orifice(pressure - pressure_a, tr)
+    towards_b = open_b * orifice(pressure - pressure_b, tr)
+    return scale * (towards_a + towards_b)
 
 
 @inlined_kernel
@@ -101,7 +123,8 @@ def _solved(
     pressure_a: float,
     pressure_b: float,
     friction: float,
-    m: Machine,
+    scale: float,
+    tr: float,
 ) -> float:
     """Solve p + friction · s(q(p)) = ideal, or q(p) = 0 where friction is negative.
 
@@ -117,11 +140,8 @@ def _solved(
     last = 2 * (high - low) + _ENOUGH
     for _ in range(_ITERATIONS):
         to_a, to_b = pressure - pressure_a, pressure - pressure_b
-        tr = m.transition_pressure
-        flow = m.flow_coefficient * (open_a * orifice(to_a, tr) + open_b * orifice(to_b, tr))
-        slope = m.flow_coefficient * (
-            open_a * orifice_slope(to_a, tr) + open_b * orifice_slope(to_b, tr)
-        )
+        flow = scale * (open_a * orifice(to_a, tr) + open_b * orifice(to_b, tr))
+        slope = scale * (open_a * orifice_slope(to_a, tr) + open_b * orifice_slope(to_b, tr))
         if friction >= 0:
             root = math.sqrt(flow * flow + _FRICTION_FLOW**2)
             excess = pressure - ideal + friction * flow / root
