@@ -8,6 +8,8 @@ from mptune.params.pack import NO_PATH, LoopGains, Plants, pack_gains
 from mptune.params.paper import PUBLISHED_GAINS
 from mptune.sim.response import position_step, velocity_step
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 SHARE_A = 4 / 7
 GAINS = pack_gains(PUBLISHED_GAINS)
 

@@ -1,10 +1,13 @@
 """Fig. 5: the four panels of the published gains."""
 
 import numpy as np
+import pytest
 
 from mptune.loops.family import plants_of
 from mptune.params.pack import NO_PATH, pack_gains
 from mptune.sim.response import position_step, velocity_step
+
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 
 
 def test_step_responses_of_the_whole_family_settle_on_the_reference(load_boom):

@@ -7,6 +7,8 @@ import pytest
 
 from mptune.cli.main import status
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 CORNERS = ("--set", "uncertainty.points=2")
 BRIEF = (
     *CORNERS,

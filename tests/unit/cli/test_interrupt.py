@@ -8,6 +8,8 @@ import time
 
 import pytest
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 
 @pytest.mark.skipif(os.name != "posix", reason="signals of POSIX")
 def test_sigint_ends_a_run_with_130(study_file, tmp_path):

@@ -11,6 +11,8 @@ from mptune.figures.style import to_png, to_svg
 from mptune.robust.sweep import sweep
 from mptune.sim.sampled import linear_moves
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 
 @pytest.fixture(scope="module")
 def swept(load_boom):

@@ -11,6 +11,8 @@ from mptune.report.content import Results
 from mptune.report.pdf import write_report
 from mptune.units import shown
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 
 @pytest.fixture(scope="module")
 def job(load_boom, tmp_path_factory):

@@ -11,6 +11,8 @@ from mptune.params.pack import pack_filters, pack_gains
 from mptune.signals.trajectory import quintic
 from mptune.sim.sampled import FeedforwardTuple, SampledPlant, linear_moves, run_linear
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 MOVE = quintic(0.07, 1.25)
 
 

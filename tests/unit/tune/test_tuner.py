@@ -8,6 +8,8 @@ from mptune.robust.sweep import sweep
 from mptune.tune.tuner import TuneStatus, tune
 from mptune.tune.velocity import largest_velocity_gain
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 LIMIT = 0.65
 
 
