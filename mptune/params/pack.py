@@ -9,7 +9,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.params.controller import Controller, Gains
+    from mptune.params.controller import Controller, Feedforward, Gains
     from mptune.params.study import ResolvedStudy
 
 
@@ -129,6 +129,14 @@ class SignalSettings(NamedTuple):
     converter_noise: float
 
 
+class FeedforwardTuple(NamedTuple):
+    """Feed-forward beyond the velocity reference; poles at T_S,fast, 0 for none."""
+
+    acceleration_mass: float  # kg
+    reference_pole: float
+    velocity_reference_pole: float
+
+
 NO_PATH = MeasurementPath(0.0, 0.0, 0.0)
 NO_TABLE = np.zeros((0, 3))
 
@@ -143,6 +151,19 @@ def pack_filters(controller: Controller) -> MeasurementPath:
     sample_time = controller.fast_sampling_period
     pole = math.exp(-sample_time / controller.position_filter)
     return MeasurementPath(sample_time, pole, controller.position_filter)
+
+
+def pack_feedforward(feedforward: Feedforward, sample_time: float) -> FeedforwardTuple:
+    """Return the feed-forward as a kernel tuple, its lags discretised at ``sample_time`` [s]."""
+
+    def pole(lag: float) -> float:
+        return math.exp(-sample_time / lag) if lag > 0 else 0.0
+
+    return FeedforwardTuple(
+        feedforward.acceleration_mass,
+        pole(feedforward.reference_lag),
+        pole(feedforward.velocity_reference_lag),
+    )
 
 
 def pack_path(study: ResolvedStudy) -> MeasurementPath:

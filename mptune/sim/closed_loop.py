@@ -41,7 +41,13 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mptune.force.search_space import SearchSpace
-    from mptune.params.pack import ForceSettings, LoopGains, Machine, SignalSettings
+    from mptune.params.pack import (
+        FeedforwardTuple,
+        ForceSettings,
+        LoopGains,
+        Machine,
+        SignalSettings,
+    )
     from mptune.plant.piston import Burden
 
 SUBSTEPS, CALM_SUBSTEPS = 5, 2  # of the machine's integration in one tick of 0.5 ms
@@ -70,14 +76,6 @@ SIGNALS = 9
 COLUMNS = 15
 # Places in ``Memory.outer``.
 LAG1, LAG2, INTEGRAL, LAST_ERROR, REFERENCE, VELOCITY_REFERENCE, FORCE, STOPPED, PUMPING = range(9)
-
-
-class Feedforward(NamedTuple):
-    """Feed-forward beyond the velocity reference; poles at T_S,fast, 0 for none."""
-
-    acceleration_mass: float  # kg
-    reference_pole: float
-    velocity_reference_pole: float
 
 
 class Delays(NamedTuple):
@@ -149,7 +147,7 @@ def run_ticks(
     table: FloatArray,
     delays: Delays,
     gains: LoopGains,
-    ahead: Feedforward,
+    ahead: FeedforwardTuple,
     signals: SignalSettings,
     settings: ForceSettings,
     space: SearchSpace,
@@ -243,7 +241,7 @@ def _control(
     a_ref: float,
     gains: LoopGains,
     law: tuple[float, float, float, float, float, float],
-    ahead: Feedforward,
+    ahead: FeedforwardTuple,
     signals: SignalSettings,
     settings: ForceSettings,
     space: SearchSpace,

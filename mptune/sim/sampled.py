@@ -15,7 +15,14 @@ import numpy as np
 
 from mptune.arrays import FloatArray, frozen, kernel
 from mptune.loops.family import time_constants_at
-from mptune.params.pack import LoopGains, MeasurementPath, pack_filters, pack_gains
+from mptune.params.pack import (
+    FeedforwardTuple,
+    LoopGains,
+    MeasurementPath,
+    pack_feedforward,
+    pack_filters,
+    pack_gains,
+)
 from mptune.signals.trajectory import reference
 from mptune.signals.tustin import discretise
 from mptune.sim.moves import moves_of
@@ -35,14 +42,6 @@ class SampledPlant(NamedTuple):
     tau_a: float  # s
     tau_b: float  # s
     share_a: float  # -
-
-
-class FeedforwardTuple(NamedTuple):
-    """Feed-forward beyond the velocity reference."""
-
-    acceleration_mass: float  # kg
-    reference_pole: float  # -, at T_S,fast; 0 for none
-    velocity_reference_pole: float  # -, at T_S,fast; 0 for none
 
 
 @dataclass(frozen=True)
@@ -84,7 +83,7 @@ def linear_moves(
     gains = gains or machine.gains
     moves = moves_of(machine.manoeuvre)
     path = pack_filters(machine.controller)
-    ahead = _pack_feedforward(feedforward or machine.feedforward, path.sample_time)
+    ahead = pack_feedforward(feedforward or machine.feedforward, path.sample_time)
     period = machine.controller.sampling_period
     ticks = round(moves.duration / path.sample_time)
     results = []
@@ -99,17 +98,6 @@ def linear_moves(
                 )
                 results.append(_judge(mass, delay, modulus, path.sample_time, moves.reach, traces))
     return tuple(results)
-
-
-def _pack_feedforward(feedforward: Feedforward, sample_time: float) -> FeedforwardTuple:
-    def pole(lag: float) -> float:
-        return float(np.exp(-sample_time / lag)) if lag > 0 else 0.0
-
-    return FeedforwardTuple(
-        feedforward.acceleration_mass,
-        pole(feedforward.reference_lag),
-        pole(feedforward.velocity_reference_lag),
-    )
 
 
 def _judge(

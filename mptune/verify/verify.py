@@ -11,7 +11,14 @@ from mptune.arrays import frozen
 from mptune.errors import Fault, InputError
 from mptune.force.cost import force_limits
 from mptune.force.search_space import search_space
-from mptune.params.pack import pack_force, pack_gains, pack_machine, pack_signals, pack_table
+from mptune.params.pack import (
+    pack_feedforward,
+    pack_force,
+    pack_gains,
+    pack_machine,
+    pack_signals,
+    pack_table,
+)
 from mptune.plant import machine as plant
 from mptune.plant.piston import burden_at
 from mptune.plant.supplies import oil_at_pressure
@@ -123,7 +130,10 @@ def run_case(
     controller, asked = study.study.controller, study.study.verification
     table = pack_table(study)
     signals, settings, space = pack_signals(controller), pack_force(study), search_space()
-    packed, ahead = pack_gains(gains), _pack_ahead(feedforward, controller.fast_sampling_period)
+    packed, ahead = (
+        pack_gains(gains),
+        pack_feedforward(feedforward, controller.fast_sampling_period),
+    )
     moves = moves_of(study.study.manoeuvre)
     # Whole sampling periods, so that every set begins with a decision.
     ticks = signals.ticks * int(np.ceil(moves.duration / controller.sampling_period - 1e-9))
@@ -187,17 +197,6 @@ def _delays(study: ResolvedStudy, case: Case) -> loop.Delays:
     extra = valves.computation_delay[1] - valves.ramp
     least, largest = (max(delay + extra, 0.0) for delay in case.valve_delay)
     return loop.Delays(least, largest, valves.ramp)
-
-
-def _pack_ahead(feedforward: Feedforward, sample_time: float) -> loop.Feedforward:
-    def pole(lag: float) -> float:
-        return float(np.exp(-sample_time / lag)) if lag > 0 else 0.0
-
-    return loop.Feedforward(
-        feedforward.acceleration_mass,
-        pole(feedforward.reference_lag),
-        pole(feedforward.velocity_reference_lag),
-    )
 
 
 def new_memory(

@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mptune.params.controller import Feedforward
-from mptune.params.pack import pack_filters, pack_gains
+from mptune.params.pack import FeedforwardTuple, pack_filters, pack_gains
 from mptune.signals.trajectory import quintic
-from mptune.sim.sampled import FeedforwardTuple, SampledPlant, linear_moves, run_linear
+from mptune.sim.sampled import SampledPlant, linear_moves, run_linear
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 
