@@ -34,7 +34,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from mptune.errors import InputError, MptuneError, OutputError
     from mptune.force.controller import ForceController
-    from mptune.job import run
+    from mptune.job.run import run
     from mptune.params.gains import read_gains, write_gains
     from mptune.params.load import load_study
     from mptune.params.paper import LEDGER, PUBLISHED_GAINS
@@ -53,7 +53,7 @@ _HOMES = {
     "linear_moves": "mptune.sim.sampled",
     "load_study": "mptune.params.load",
     "read_gains": "mptune.params.gains",
-    "run": "mptune.job",
+    "run": "mptune.job.run",
     "sweep": "mptune.robust.sweep",
     "tune": "mptune.tune.tuner",
     "verify": "mptune.verify.verify",

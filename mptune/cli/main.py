@@ -14,7 +14,18 @@ from typing import Annotated
 
 import typer
 
-NOT_MET, BAD_INPUT, UNFINISHED, INTERRUPTED = 1, 2, 3, 130
+from mptune.cli.options import (
+    OUT,
+    JsonOption,
+    OutOption,
+    QuietOption,
+    SetOption,
+    StudyArgument,
+    UncertaintyOption,
+    finish,
+)
+
+BAD_INPUT, UNFINISHED, INTERRUPTED = 2, 3, 130
 
 app = typer.Typer(
     no_args_is_help=True,
@@ -23,20 +34,6 @@ app = typer.Typer(
     pretty_exceptions_enable=False,
     help="Robust tuning of hydraulic cylinders driven from several supply pressures.",
 )
-
-StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY", help="The study's TOML file.")]
-SetOption = Annotated[
-    list[str] | None,
-    typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the study; repeatable."),
-]
-UncertaintyOption = Annotated[
-    str, typer.Option(metavar="NAME", help="Uncertainty set; the default one where not given.")
-]
-OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder for results.")]
-JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI.")]
-QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
-
-_OUT = Path("reports")
 
 
 @app.callback(invoke_without_command=True)
@@ -55,13 +52,13 @@ def run(
     study: StudyArgument,
     override: SetOption = None,
     uncertainty: UncertaintyOption = "",
-    out: OutOption = _OUT,
+    out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Do the whole job, from the study file to gains and report."""
     from mptune.cli import show
-    from mptune.job import run as run_job
+    from mptune.job.run import run as run_job
     from mptune.params.load import load_study
 
     loaded = load_study(study, override or (), uncertainty)
@@ -71,7 +68,7 @@ def run(
         show.as_json(result.json())
     else:
         show.job(result)
-    _finish(met=result.satisfied)
+    finish(met=result.satisfied)
 
 
 @app.command()
@@ -82,13 +79,13 @@ def sweep(
     ] = None,
     override: SetOption = None,
     uncertainty: UncertaintyOption = "",
-    out: OutOption = _OUT,
+    out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Draw and store both sides of both inequalities over the grid."""
     from mptune.cli import show
-    from mptune.job import sweep_study
+    from mptune.job.sweep import sweep_study
     from mptune.params.gains import read_gains
     from mptune.params.load import load_study
 
@@ -101,7 +98,7 @@ def sweep(
     else:
         show.sweep(result)
         show.files(files)
-    _finish(met=result.satisfied)
+    finish(met=result.satisfied)
 
 
 @app.command()
@@ -109,13 +106,13 @@ def tune(
     study: StudyArgument,
     override: SetOption = None,
     uncertainty: UncertaintyOption = "",
-    out: OutOption = _OUT,
+    out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Find gains that satisfy the requirements."""
     from mptune.cli import show
-    from mptune.job import tune_study
+    from mptune.job.tune import tune_study
     from mptune.params.load import load_study
 
     loaded = load_study(study, override or (), uncertainty)
@@ -126,7 +123,7 @@ def tune(
     else:
         show.tuned(result)
         show.files(files)
-    _finish(met=result.sweep.satisfied)
+    finish(met=result.sweep.satisfied)
 
 
 @app.command()
@@ -140,13 +137,13 @@ def verify(
     ] = False,
     override: SetOption = None,
     uncertainty: UncertaintyOption = "",
-    out: OutOption = _OUT,
+    out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
     """Prove gains on the nonlinear machine."""
     from mptune.cli import show
-    from mptune.job import verify_study
+    from mptune.job.verify import verify_study
     from mptune.params.load import load_study
 
     loaded = load_study(study, override or (), uncertainty)
@@ -157,7 +154,7 @@ def verify(
     else:
         show.verified(result)
         show.files(files)
-    _finish(met=result.satisfied)
+    finish(met=result.satisfied)
 
 
 @app.command()
@@ -180,10 +177,6 @@ def ledger() -> None:
     from mptune.cli import show
 
     show.ledger()
-
-
-def _finish(*, met: bool) -> None:
-    raise typer.Exit(0 if met else NOT_MET)
 
 
 def main() -> None:

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
 
-    from mptune.job import JobResult
+    from mptune.job.run import JobResult
     from mptune.params.controller import Gains
     from mptune.robust.result import SweepResult
     from mptune.tune.tuner import TuneResult

@@ -223,12 +223,12 @@ def test_usage_errors_have_status_2(capsys):
 
 
 def test_interrupt_has_status_130_and_leaves_nothing(cli, tmp_path, monkeypatch):
-    import mptune.job
+    from mptune.job import run as job
 
     def interrupted(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(mptune.job, "tune", interrupted)
+    monkeypatch.setattr(job, "tune", interrupted)
     code, _, err = cli("run", *CORNERS)
     assert code == 130
     assert "interrupted" in err
@@ -250,12 +250,12 @@ def test_full_disk_has_status_3_and_leaves_nothing_half_written(cli, tmp_path, m
 
 
 def test_unforeseen_error_has_status_3_and_no_traceback(cli, monkeypatch):
-    import mptune.job
+    from mptune.job import sweep as job
 
     def broken(*_, **__):
         raise ZeroDivisionError("oops")
 
-    monkeypatch.setattr(mptune.job, "sweep", broken)
+    monkeypatch.setattr(job, "sweep", broken)
     code, _, err = cli("sweep", *CORNERS)
     assert code == 3
     assert "defect" in err

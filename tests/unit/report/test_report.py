@@ -6,7 +6,7 @@ import json
 import pypdf
 import pytest
 
-from mptune.job import run
+from mptune.job.run import run
 from mptune.report.content import Results
 from mptune.report.pdf import write_report
 from mptune.units import shown

@@ -1,4 +1,4 @@
-"""One study, from file to report: who runs what, and what is written where.
+"""The whole job: sweep, tune, export, verify, report.
 
 ::
 
@@ -15,9 +15,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
-from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
-from mptune.params.gains import GainsFile, Verdict, now, read_gains, version, write_gains
+from mptune.job.gains import gains_file
+from mptune.job.verify import figure_name
+from mptune.params.gains import read_gains, write_gains
 from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep
 from mptune.sim.sampled import linear_moves
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
-    from mptune.params.controller import Gains
     from mptune.params.study import ResolvedStudy
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
@@ -143,85 +143,6 @@ def run(
     return JobResult(study, published, tuned, moves, moves_before, verified, tuple(files))
 
 
-def verify_study(
-    study: ResolvedStudy,
-    gains: Path | None,
-    out: Path,
-    progress: Callable[[str, float], None] = lambda *_: None,
-    *,
-    force: bool = False,
-) -> tuple[VerifyResult, tuple[Path, ...]]:
-    """Verify a gains file (the study's own gains where None) on the nonlinear machine.
-
-    Raises
-    ------
-    InputError
-        If the file is not for this study, or its margins are not satisfied and ``force`` is False.
-    """
-    from mptune.figures.machine import machine_traces
-    from mptune.figures.style import to_svg
-
-    file = read_gains(gains, study.hash()) if gains else None
-    if file is not None and file.margins != "satisfied" and not force:
-        fault = Fault(
-            "margins",
-            file.margins,
-            "is no verdict that the controller accepts",
-            "tune again, or insist with --force",
-        )
-        raise InputError(gains or study.name, fault)
-    folder = make_folder(out / study.name)
-    progress("verify", 0.0)
-    verified = verify(
-        study,
-        file.gains if file else None,
-        file.feedforward if file else None,
-        lambda share: progress("verify", share),
-    )
-    progress("figures", 0.0)
-    files = [write_traces(folder / "traces.nc", verified)]
-    for case in verified.worst_per_mass():
-        svg = to_svg(machine_traces(study, case))
-        files.append(write_whole(folder / f"{_figure_name(case.mass_kg)}.svg", svg))
-    return verified, tuple(files)
-
-
-def _figure_name(mass: float) -> str:
-    return f"machine-{mass / 1e3:g}t"
-
-
-def sweep_study(
-    study: ResolvedStudy,
-    gains: Gains | None,
-    out: Path,
-    progress: Callable[[str, float], None] = lambda *_: None,
-) -> tuple[SweepResult, tuple[Path, ...]]:
-    """Sweep one set of gains (the study's own where None), store it and draw its panels."""
-    from mptune.figures.panels import four_panels
-    from mptune.figures.style import to_svg
-
-    folder = make_folder(out / study.name)
-    progress("sweep", 0.0)
-    swept = sweep(study, gains)
-    progress("figures", 0.0)
-    panels = to_svg(four_panels(swept))
-    return swept, (
-        write_sweep(folder / "sweep.nc", swept),
-        write_whole(folder / "panels.svg", panels),
-    )
-
-
-def tune_study(
-    study: ResolvedStudy, out: Path, progress: Callable[[str, float], None] = lambda *_: None
-) -> tuple[TuneResult, tuple[Path, ...]]:
-    """Tune a study, check the gains on the sampled linear loop, and write ``gains.toml``."""
-    folder = make_folder(out / study.name)
-    progress("tune", 0.0)
-    tuned = tune(study, lambda share: progress("tune", share))
-    moves = linear_moves(study, tuned.gains)
-    return tuned, (write_gains(folder / "gains.toml", gains_file(tuned.sweep, moves, None)),)
-
-
 def draw(
     swept: SweepResult, moves: tuple[LinearMove, ...], verified: VerifyResult | None
 ) -> tuple[dict[str, bytes], bytes]:
@@ -239,42 +160,8 @@ def draw(
         "moves": to_svg(move_traces(moves)),
     }
     for case in verified.worst_per_mass() if verified else ():
-        figures[_figure_name(case.mass_kg)] = to_svg(machine_traces(swept.study, case))
+        figures[figure_name(case.mass_kg)] = to_svg(machine_traces(swept.study, case))
     return figures, to_png(panels)
-
-
-def gains_file(
-    swept: SweepResult, moves: tuple[LinearMove, ...], verified: VerifyResult | None
-) -> GainsFile:
-    """Return what ``gains.toml`` says of a set of gains and its verdicts.
-
-    The closed loop's verdict is the nonlinear machine's; "not run" where that has not been run.
-    """
-    margins: Verdict = "satisfied" if swept.satisfied else "violated"
-    closed_loop: Verdict = "not run"
-    if verified is not None:
-        closed_loop = "satisfied" if verified.satisfied else "violated"
-    worst = {f"{condition.name}_ratio": condition.worst_ratio for condition in swept.conditions}
-    index = {
-        f"linear_index_ms_{case.mass_kg:.0f}_kg": case.performance_index_ms
-        for case in moves
-        if case.stable
-    }
-    for case in verified.worst_per_mass() if verified else ():
-        index[f"index_ms_{case.mass_kg:.0f}_kg"] = case.mean("performance_index_ms")
-        index[f"loss_j_per_mm_{case.mass_kg:.0f}_kg"] = case.mean("energy_loss_j_per_mm")
-    return GainsFile(
-        study=swept.study.name,
-        study_hash=swept.study.hash(),
-        uncertainty=swept.study.uncertainty_name,
-        version=version(),
-        date=now(),
-        margins=margins,
-        closed_loop=closed_loop,
-        gains=swept.gains,
-        feedforward=swept.study.study.feedforward,
-        figures={"margins": worst, "closed_loop": index},
-    )
 
 
 def _report(path: Path, result: JobResult, figures: dict[str, bytes]) -> Path:

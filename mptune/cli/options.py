@@ -1,0 +1,29 @@
+"""Options and endings that the commands share."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+_NOT_MET = 1
+
+StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY", help="The study's TOML file.")]
+SetOption = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the study; repeatable."),
+]
+UncertaintyOption = Annotated[
+    str, typer.Option(metavar="NAME", help="Uncertainty set; the default one where not given.")
+]
+OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder for results.")]
+JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI.")]
+QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
+
+OUT = Path("reports")
+
+
+def finish(*, met: bool) -> None:
+    """Leave with status 0 where every requirement is met, else 1."""
+    raise typer.Exit(0 if met else _NOT_MET)

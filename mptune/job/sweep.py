@@ -1,0 +1,38 @@
+"""One set of gains, swept, stored and drawn."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mptune.files import make_folder, write_whole
+from mptune.robust.store import write_sweep
+from mptune.robust.sweep import sweep
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from mptune.params.controller import Gains
+    from mptune.params.study import ResolvedStudy
+    from mptune.robust.result import SweepResult
+
+
+def sweep_study(
+    study: ResolvedStudy,
+    gains: Gains | None,
+    out: Path,
+    progress: Callable[[str, float], None] = lambda *_: None,
+) -> tuple[SweepResult, tuple[Path, ...]]:
+    """Sweep one set of gains (the study's own where None), store it and draw its panels."""
+    from mptune.figures.panels import four_panels
+    from mptune.figures.style import to_svg
+
+    folder = make_folder(out / study.name)
+    progress("sweep", 0.0)
+    swept = sweep(study, gains)
+    progress("figures", 0.0)
+    panels = to_svg(four_panels(swept))
+    return swept, (
+        write_sweep(folder / "sweep.nc", swept),
+        write_whole(folder / "panels.svg", panels),
+    )

@@ -1,0 +1,66 @@
+"""Gains on the nonlinear machine, stored and drawn."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mptune.errors import Fault, InputError
+from mptune.files import make_folder, write_whole
+from mptune.params.gains import read_gains
+from mptune.verify.store import write_traces
+from mptune.verify.verify import verify
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from mptune.params.study import ResolvedStudy
+    from mptune.verify.result import VerifyResult
+
+
+def verify_study(
+    study: ResolvedStudy,
+    gains: Path | None,
+    out: Path,
+    progress: Callable[[str, float], None] = lambda *_: None,
+    *,
+    force: bool = False,
+) -> tuple[VerifyResult, tuple[Path, ...]]:
+    """Verify a gains file (the study's own gains where None) on the nonlinear machine.
+
+    Raises
+    ------
+    InputError
+        If the file is not for this study, or its margins are not satisfied and ``force`` is False.
+    """
+    from mptune.figures.machine import machine_traces
+    from mptune.figures.style import to_svg
+
+    file = read_gains(gains, study.hash()) if gains else None
+    if file is not None and file.margins != "satisfied" and not force:
+        fault = Fault(
+            "margins",
+            file.margins,
+            "is no verdict that the controller accepts",
+            "tune again, or insist with --force",
+        )
+        raise InputError(gains or study.name, fault)
+    folder = make_folder(out / study.name)
+    progress("verify", 0.0)
+    verified = verify(
+        study,
+        file.gains if file else None,
+        file.feedforward if file else None,
+        lambda share: progress("verify", share),
+    )
+    progress("figures", 0.0)
+    files = [write_traces(folder / "traces.nc", verified)]
+    for case in verified.worst_per_mass():
+        svg = to_svg(machine_traces(study, case))
+        files.append(write_whole(folder / f"{figure_name(case.mass_kg)}.svg", svg))
+    return verified, tuple(files)
+
+
+def figure_name(mass: float) -> str:
+    """Return the name of the figure of one mass's traces."""
+    return f"machine-{mass / 1e3:g}t"
