@@ -100,11 +100,12 @@ def sweep(result: SweepResult) -> None:
 
 
 def _margins(result: SweepResult) -> None:
-    table = _table("Worst margins of the true family")
+    table, sampled = _table("Worst margins of the true family"), result.sampled
     table.add_column("margin")
     for loop in ("velocity", "position", "at F_ref"):
         for path in ("no path", "with path"):
             table.add_column(f"{loop}\n{path}", justify="right")
+    table.add_column("at F_ref\nsampled", justify="right")
     for label, cells in margin_rows(result):
         table.add_row(label, *cells)
     table.add_row(
@@ -115,6 +116,7 @@ def _margins(result: SweepResult) -> None:
             for family in result.families
             for count in [int((~(family.stable if loop else family.velocity_stable)).sum())]
         ),
+        _verdict(str(sampled.unstable_count), good=sampled.unstable_count == 0) if sampled else "—",
     )
     console.print(table)
 

@@ -1,4 +1,4 @@
-"""The loop gains of one plant, at the three places where an engineer breaks the loop.
+"""The loop gains of one plant, at the places where an engineer breaks the loop.
 
 ::
 
@@ -13,6 +13,8 @@
     broken at the position error, velocity loop closed
 ``FORCE``
     both loops closed, broken at F_ref: 1 + L_F = (1 + L_v)(1 + L_p)
+``SAMPLED``
+    the same as it runs, sampled: see ``mptune.loops.sampled``
 
 Without a measurement path the position and the velocity are taken as they are.
 """
@@ -30,7 +32,7 @@ from mptune.signals.differentiator import differentiator_over_s
 if TYPE_CHECKING:
     from mptune.params.pack import LoopGains, MeasurementPath
 
-VELOCITY, POSITION, FORCE = 0, 1, 2
+VELOCITY, POSITION, FORCE, SAMPLED = 0, 1, 2, 3
 NAMES = ("velocity", "position", "force")
 
 

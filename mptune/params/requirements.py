@@ -37,6 +37,9 @@ class Requirements(Section):
     gain_margin: float | None = quantity(
         "1", "g_m", "smallest gain margin at F_ref, sampled loop", None, above=1
     )
+    sampled_sensitivity_peak: float | None = quantity(
+        "1", "M_S", "largest sensitivity peak at F_ref, sampled loop", None, above=1
+    )
     noise_gain: float | None = quantity(
         "N/m", "N", "largest noise gain from position to F_ref", None, above=0
     )

@@ -105,7 +105,8 @@ def _warnings(results: Results) -> list[str]:
                 )
             )
     found += [
-        f"{check.name} {check.limit}: this version cannot evaluate the requirement."
+        f"{check.name} {check.limit}: cannot be evaluated, as some total delay is below half a "
+        "sampling period."
         for check in results.sweep.checks
         if check.status is Status.NOT_EVALUATED
     ]

@@ -13,7 +13,13 @@ import numba
 import numpy as np
 
 from mptune.arrays import Complex, FloatArray, kernel, parallel_kernel
-from mptune.loops.broken import loop_gain
+from mptune.loops.broken import FORCE, SAMPLED, loop_gain
+from mptune.loops.sampled import (
+    SampledPlant,
+    coefficient_count,
+    sampled_loop,
+    sampled_plant,
+)
 
 if TYPE_CHECKING:
     from mptune.params.pack import LoopGains, MeasurementPath, Plants
@@ -25,6 +31,18 @@ _NEARLY = 0.4  # of the highest grid value: lower peaks are not refined
 _PEAK_STEPS = 25  # of a golden section: 6e-6 of the grid step, 1e-11 of a smooth peak
 _CROSSING_STEPS = 40  # of a bisection: 1e-12 of the grid step
 _SENSITIVITY, _COMPLEMENTARY, _DISK = 0, 1, 2
+
+
+class _Plant(NamedTuple):
+    """One plant of Eq. 15, and the same as the controller samples it, where that is asked for."""
+
+    mass: float
+    delay: float
+    tau_a: float
+    tau_b: float
+    share_a: float
+    sampled: SampledPlant
+    period: float  # s, T_S
 
 
 class Margins(NamedTuple):
@@ -78,10 +96,62 @@ def _family_margins(
 ) -> FloatArray:
     count = len(plants.mass)
     table = np.empty((3, count, 14))
+    none = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, 0.0)
     for n in numba.prange(count):
-        plant = (plants.mass[n], plants.delay[n], plants.tau_a[n], plants.tau_b[n], share_a)
+        mass, delay, tau_a, tau_b = (
+            plants.mass[n], plants.delay[n], plants.tau_a[n], plants.tau_b[n],
+        )  # fmt: skip
+        plant = _Plant(mass, delay, tau_a, tau_b, share_a, none, 0.0)
         for which in range(3):
             table[which, n, :] = _margins(which, omega, plant, gains, path)
+    return table
+
+
+def sampled_margins(
+    omega: FloatArray,
+    plants: Plants,
+    share_a: float,
+    gains: LoopGains,
+    path: MeasurementPath,
+    period: float,
+) -> Margins:
+    """Return the margins of every plant's loop at F_ref as it runs, sampled at ``period`` [s].
+
+    They stand in the row of the force loop; the other two rows are NaN, and so is the delay margin:
+    a sampled loop has no such single figure. The frequencies ``omega`` ``(F,)`` are taken up to
+    half the sampling rate, above which the loop repeats itself.
+    """
+    half_rate = np.pi / period
+    grid = np.union1d(omega[omega < half_rate], np.linspace(0.02, 1, 50) * half_rate)
+    table = np.full((3, len(plants.mass), 14), np.nan)
+    table[FORCE] = _sampled_margins(grid, plants, share_a, gains, path, period)
+    table[:, :, 10:12] = np.nan
+    return Margins(*np.moveaxis(table, 2, 0))
+
+
+@parallel_kernel
+def _sampled_margins(
+    omega: FloatArray,
+    plants: Plants,
+    share_a: float,
+    gains: LoopGains,
+    path: MeasurementPath,
+    period: float,
+) -> FloatArray:
+    hold = period / 2
+    size = coefficient_count(plants.delay.max() - hold, path, period)
+    table = np.empty((len(plants.mass), 14))
+    for n in numba.prange(len(plants.mass)):
+        mass, delay, tau_a, tau_b = (
+            plants.mass[n], plants.delay[n], plants.tau_a[n], plants.tau_b[n],
+        )  # fmt: skip
+        sampled = sampled_plant(mass, delay - hold, tau_a, tau_b, share_a, path, period, size)
+        plant = _Plant(mass, delay, tau_a, tau_b, share_a, sampled, period)
+        row = _margins(SAMPLED, omega, plant, gains, path)
+        end = sampled_loop(1j * omega[-1], sampled, gains, period).real  # real at half the rate
+        if end < 0:
+            _note_factor(row, -1 / end, omega[-1])
+        table[n, :] = row
     return table
 
 
@@ -89,12 +159,15 @@ def _family_margins(
 def _gain(
     which: int,
     omega: float,
-    plant: tuple[float, float, float, float, float],
+    plant: _Plant,
     gains: LoopGains,
     path: MeasurementPath,
 ) -> Complex:
-    mass, delay, tau_a, tau_b, share_a = plant
-    return loop_gain(which, 1j * omega, mass, delay, tau_a, tau_b, share_a, gains, path)
+    s = 1j * omega
+    if which == SAMPLED:
+        return sampled_loop(s, plant.sampled, gains, plant.period)
+    mass, delay, tau_a, tau_b = plant.mass, plant.delay, plant.tau_a, plant.tau_b
+    return loop_gain(which, s, mass, delay, tau_a, tau_b, plant.share_a, gains, path)
 
 
 @kernel
@@ -111,7 +184,7 @@ def _size(kind: int, gain: complex) -> float:
 def _margins(
     which: int,
     omega: FloatArray,
-    plant: tuple[float, float, float, float, float],
+    plant: _Plant,
     gains: LoopGains,
     path: MeasurementPath,
 ) -> FloatArray:
@@ -143,7 +216,7 @@ def _highest_peak(
     which: int,
     omega: FloatArray,
     size: FloatArray,
-    plant: tuple[float, float, float, float, float],
+    plant: _Plant,
     gains: LoopGains,
     path: MeasurementPath,
 ) -> tuple[float, float]:
@@ -170,7 +243,7 @@ def _peak(
     which: int,
     low: float,
     high: float,
-    plant: tuple[float, float, float, float, float],
+    plant: _Plant,
     gains: LoopGains,
     path: MeasurementPath,
 ) -> float:
@@ -196,7 +269,7 @@ def _note_gain_crossing(
     which: int,
     low: float,
     high: float,
-    plant: tuple[float, float, float, float, float],
+    plant: _Plant,
     gains: LoopGains,
     path: MeasurementPath,
 ) -> None:
@@ -212,7 +285,12 @@ def _note_gain_crossing(
     crossing = _gain(which, at, plant, gains, path).real
     if crossing >= 0:
         return
-    factor = -1 / crossing
+    _note_factor(row, -1 / crossing, at)
+
+
+@kernel
+def _note_factor(row: FloatArray, factor: float, at: float) -> None:
+    """Note a factor of the gain that reaches the critical point."""
     if factor >= 1 and factor < row[4]:
         row[4], row[5] = factor, at
     if factor < 1 and factor > row[6]:
@@ -225,7 +303,7 @@ def _note_phase_crossing(
     which: int,
     low: float,
     high: float,
-    plant: tuple[float, float, float, float, float],
+    plant: _Plant,
     gains: LoopGains,
     path: MeasurementPath,
 ) -> None:

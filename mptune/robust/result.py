@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mptune.loops.broken import FORCE
 from mptune.loops.family import derived_time_constants
 
 if TYPE_CHECKING:
@@ -26,7 +27,7 @@ class Status(StrEnum):
     UNSTABLE = "unstable"  # a premise of the theorem fails: a nominal loop is not stable
     UNDECIDED = "undecided"  # a loop passes through the critical point as far as can be told
     NOT_CONVERGED = "not converged"  # the worst ratio still moved when refinement ended
-    NOT_EVALUATED = "not evaluated"  # this version has no check for it
+    NOT_EVALUATED = "not evaluated"  # the study leaves no loop on which it could be checked
 
 
 def finite(value: float) -> float | None:
@@ -121,7 +122,7 @@ class Family:
     Attributes
     ----------
     path
-        ``"none"`` or ``"filters"``.
+        ``"none"``, ``"filters"``, or ``"sampled"`` for the loop as it runs.
     velocity_stable, stable
         ``(N,)`` whether the velocity loop alone and the whole closed loop are stable.
     decided
@@ -189,6 +190,8 @@ class SweepResult:
     velocity: Condition
     position: Condition
     families: tuple[Family, ...]  # without and with the measurement path
+    sampled: Family | None  # as it runs; None where some delay leaves no room for the hold
+    noise_gain: float  # N/m, rms of F_ref per rms of position noise
     checks: tuple[Check, ...]
 
     @property
@@ -220,6 +223,9 @@ class SweepResult:
                 "at": condition.at.values(),
             }
         values["true_family"] = {family.path: _family_json(family) for family in self.families}
+        if self.sampled is not None:
+            values["true_family"]["sampled"] = _family_json(self.sampled)
+        values["noise_gain_n_per_m"] = self.noise_gain
         values["requirements"] = [
             {
                 "name": check.name,
@@ -265,9 +271,14 @@ def _family_json(family: Family) -> dict[str, Any]:
         "undecided_plants": int(np.sum(~family.decided)),
         "unstable_at": unstable.values() if unstable else None,
     }
+    sampled = family.path == "sampled"
     for loop, name in enumerate(("velocity_loop", "position_loop", "force_loop")):
+        if sampled and loop != FORCE:
+            continue
         values[name] = {}
         for figure in MARGINS:
+            if sampled and figure.name == "delay_margin":
+                continue
             value, at = family.worst(figure.name, loop)
             values[name][figure.key] = {"worst": finite(value), "at": at.values() if at else None}
     return values

@@ -24,8 +24,8 @@ def to_dataset(result: SweepResult) -> xr.Dataset:
     """Return the sweep as a labelled data set.
 
     Dimensions: ``condition`` (Eq. 17, Eq. 21), ``frequency``, ``plant``, ``loop`` (velocity,
-    position, force) and ``path`` (none, filters). Envelopes are kept with the plant behind each
-    frequency, and each plant's worst ratio; whole curves are not.
+    position, force) and ``path`` (none, filters, sampled). Envelopes are kept with the plant behind
+    each frequency, and each plant's worst ratio; whole curves are not.
     """
     import numpy as np
     import xarray as xr
@@ -45,19 +45,20 @@ def to_dataset(result: SweepResult) -> xr.Dataset:
     data["plant_ratio"] = xr.DataArray(
         ratios, dims=("condition", "plant"), attrs={"long_name": "each plant's worst ratio"}
     )
-    for name in result.families[0].margins._fields:
-        values = np.stack([getattr(family.margins, name) for family in result.families])
+    families = [*result.families, *([result.sampled] if result.sampled else [])]
+    for name in families[0].margins._fields:
+        values = np.stack([getattr(family.margins, name) for family in families])
         unit = _MARGIN_UNITS.get(name, _MARGIN_UNITS.get(name.rsplit("_", 1)[-1], "1"))
         data[name] = xr.DataArray(values, dims=("path", "loop", "plant"), attrs={"units": unit})
     data["stable"] = xr.DataArray(
-        np.stack([family.stable for family in result.families]).astype(np.int8),
+        np.stack([family.stable for family in families]).astype(np.int8),
         dims=("path", "plant"),
         attrs={"long_name": "1 where the whole closed loop is certainly stable"},
     )
     coordinates: dict[str, object] = {
         "condition": ["velocity", "position"],
         "loop": list(NAMES),
-        "path": [family.path for family in result.families],
+        "path": [family.path for family in families],
         "frequency": xr.DataArray(result.omega, dims="frequency", attrs={"units": "rad/s"}),
     }
     for name, unit in _UNITS.items():

@@ -9,6 +9,8 @@ import numpy as np
 from mptune.arrays import FloatArray, frozen
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.family import FamilyLoops, nominal_plants, plants_of
+from mptune.loops.noise import noise_gain
+from mptune.loops.sampled import stable_as_sampled
 from mptune.loops.stability import PoleCount, count_unstable_poles
 from mptune.params.pack import (
     NO_PATH,
@@ -23,7 +25,7 @@ from mptune.params.pack import (
 )
 from mptune.robust.condition import Sides, sides
 from mptune.robust.grid import first_grid, frequency_range, refinement
-from mptune.robust.margins import Margins, family_margins
+from mptune.robust.margins import Margins, family_margins, sampled_margins
 from mptune.robust.result import Condition, Family, Status, SweepResult, plant_point
 from mptune.robust.verdict import allowed_ratio, check_requirements
 
@@ -65,6 +67,9 @@ def sweep(study: ResolvedStudy, gains: Gains | None = None) -> SweepResult:
         _family(name, omega, plants, share_a, packed, one) for name, one in paths.items()
     )
     true = next(family for family in families if paths[family.path] == path)
+    period = study.study.controller.sampling_period
+    sampled = _sampled_family(omega, plants, share_a, packed, paths["filters"], period)
+    noise = float(noise_gain(packed, paths["filters"], period))
     conditions = _conditions(
         omega, found, plants, limits, converged, _premises(nominal, packed, path, true)
     )
@@ -76,7 +81,9 @@ def sweep(study: ResolvedStudy, gains: Gains | None = None) -> SweepResult:
         velocity=conditions[0],
         position=conditions[1],
         families=families,
-        checks=check_requirements(study.study.requirements, conditions, true),
+        sampled=sampled,
+        noise_gain=noise,
+        checks=check_requirements(study.study.requirements, conditions, true, sampled, noise),
     )
 
 
@@ -165,6 +172,33 @@ def _family(
         velocity_stable=frozen(velocity.stable),
         stable=frozen(whole.stable),
         decided=frozen(velocity.decided & whole.decided),
+        margins=masked,
+    )
+
+
+def _sampled_family(
+    omega: FloatArray,
+    plants: Plants,
+    share_a: float,
+    gains: LoopGains,
+    path: MeasurementPath,
+    period: float,
+) -> Family | None:
+    """Return stability and margins of the true family as it runs.
+
+    None where some plant's total delay is below half a sampling period: no hold fits into it.
+    """
+    if plants.delay.min() < period / 2:
+        return None
+    stable, decided = stable_as_sampled(plants, share_a, gains, path, period)
+    margins = sampled_margins(omega, plants, share_a, gains, path, period)
+    masked = Margins(*(frozen(np.where(stable, figure, np.nan)) for figure in margins))
+    return Family(
+        path="sampled",
+        plants=plants,
+        velocity_stable=frozen(stable),
+        stable=frozen(stable),
+        decided=frozen(decided),
         margins=masked,
     )
 

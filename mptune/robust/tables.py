@@ -6,11 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.loops.broken import FORCE
 from mptune.robust.result import MARGINS
 from mptune.units import number
 
 if TYPE_CHECKING:
-    from mptune.robust.result import PlantPoint, SweepResult
+    from mptune.robust.result import MarginFigure, PlantPoint, SweepResult
 
 EQUATIONS = {"velocity": "Eq. 17", "position": "Eq. 21"}
 
@@ -29,10 +30,10 @@ def place_text(at: PlantPoint | None) -> str:
 
 
 def margin_rows(sweep: SweepResult) -> list[tuple[str, list[str]]]:
-    """Return a label and six cells per margin.
+    """Return a label and seven cells per margin.
 
     The cells are the worst values of the velocity loop, of the position loop and at F_ref, each
-    without and with the measurement path.
+    without and with the measurement path; then at F_ref as it runs, sampled.
     """
     rows = []
     for figure in MARGINS:
@@ -41,5 +42,11 @@ def margin_rows(sweep: SweepResult) -> list[tuple[str, list[str]]]:
             for loop in range(3)
             for family in sweep.families
         ]
-        rows.append((figure.label, cells))
+        rows.append((figure.label, [*cells, _sampled_cell(sweep, figure)]))
     return rows
+
+
+def _sampled_cell(sweep: SweepResult, figure: MarginFigure) -> str:
+    if sweep.sampled is None or figure.name == "delay_margin":
+        return "—"
+    return number(figure.factor * sweep.sampled.worst(figure.name, FORCE)[0], 3)

@@ -15,6 +15,14 @@ if TYPE_CHECKING:
     from mptune.params.requirements import RatioCurve, Requirements
 
 
+_MARGIN_CHECKS = (  # key of the requirement, family that it holds for, margin
+    ("sensitivity_peak", "true", "sensitivity_peak"),
+    ("complementary_peak", "true", "complementary_peak"),
+    ("sampled_sensitivity_peak", "sampled", "sensitivity_peak"),
+    ("gain_margin", "sampled", "gain_margin"),
+)
+
+
 def allowed_ratio(limit: float | RatioCurve, omega: FloatArray) -> FloatArray:
     """Return the largest allowed ratio at each frequency, ``(F,)``.
 
@@ -27,7 +35,11 @@ def allowed_ratio(limit: float | RatioCurve, omega: FloatArray) -> FloatArray:
 
 
 def check_requirements(
-    requirements: Requirements, conditions: tuple[Condition, Condition], true: Family
+    requirements: Requirements,
+    conditions: tuple[Condition, Condition],
+    true: Family,
+    sampled: Family | None,
+    noise: float,
 ) -> tuple[Check, ...]:
     """Return every requirement with its status.
 
@@ -39,6 +51,10 @@ def check_requirements(
         Eq. 17 and Eq. 21.
     true
         The true family with the measurement path that the study's model includes.
+    sampled
+        The true family as it runs; None where some delay leaves no room for the hold.
+    noise
+        The noise gain [N/m].
     """
     checks = [
         _ratio_check(condition, limit)
@@ -47,20 +63,15 @@ def check_requirements(
         )
     ]
     checks.append(_stability_check(true))
-    for name, limit in (
-        ("sensitivity_peak", requirements.sensitivity_peak),
-        ("complementary_peak", requirements.complementary_peak),
-    ):
+    for name, family, margin in _MARGIN_CHECKS:
+        limit = getattr(requirements, name)
         if limit is not None:
-            checks.append(_peak_check(true, name, limit))
-    for name, limit in (
-        ("gain_margin", requirements.gain_margin),
-        ("noise_gain", requirements.noise_gain),
-    ):
-        if limit is not None:
-            sign = "≥" if name == "gain_margin" else "≤"
-            text = f"{sign} {limit:g}"
-            checks.append(Check(name, text, float("nan"), Status.NOT_EVALUATED, None))
+            found = true if family == "true" else sampled
+            checks.append(_margin_check(found, name, margin, limit))
+    if requirements.noise_gain is not None:
+        met = noise <= requirements.noise_gain
+        status = Status.SATISFIED if met else Status.VIOLATED
+        checks.append(Check("noise_gain", f"≤ {requirements.noise_gain:.4g}", noise, status, None))
     return tuple(checks)
 
 
@@ -82,9 +93,13 @@ def _stability_check(true: Family) -> Check:
     return Check("unstable plants of the true family", "= 0", count, status, true.first_unstable())
 
 
-def _peak_check(true: Family, name: str, limit: float) -> Check:
-    found, at = true.worst(name, FORCE)
+def _margin_check(family: Family | None, name: str, margin: str, limit: float) -> Check:
+    least = margin == "gain_margin"
+    text = f"{'≥' if least else '≤'} {limit:g}"
+    if family is None:
+        return Check(name, text, float("nan"), Status.NOT_EVALUATED, None)
+    found, at = family.worst(margin, FORCE)
     if np.isnan(found):
-        return Check(name, f"≤ {limit:g}", found, Status.UNSTABLE, true.first_unstable())
-    status = Status.SATISFIED if found <= limit else Status.VIOLATED
-    return Check(name, f"≤ {limit:g}", found, status, at)
+        return Check(name, text, found, Status.UNSTABLE, family.first_unstable())
+    met = found >= limit if least else found <= limit
+    return Check(name, text, found, Status.SATISFIED if met else Status.VIOLATED, at)

@@ -1,0 +1,265 @@
+"""The loop as it runs: decided and held at T_S, filtered at T_S,fast, with a fixed delay.
+
+Seen where it is broken at F_ref, that loop is exactly a discrete one at T_S, since everything else
+runs at a whole fraction of T_S: the force reference is held, arrives at the plant of Eq. 15 after
+valve and computation at any instant, and the position is sampled at the fast ticks, where median
+(one sample), filter and Eq. 23 turn it into what the controller reads. With w = e^{−sT_S} and the
+position between samples from the modified z-transform ::
+
+    x(w, θ) = Σ_sides share/m · [ D_θ(w) − τ I_θ(w) + τ² y_θ(w) ]
+    I_θ = T [w/(1 − w) + θ]                                      of an integrator
+    D_θ = T² [w (1 + w)/(2 (1 − w)²) + θ w/(1 − w) + θ²/2]       of two
+    y_θ = E^θ (1 − E) w/(1 − E w) + 1 − E^θ,   E = e^{−T/τ}      of a lag
+
+a weighted sum over the last ticks is a numerator in w, with real coefficients, over
+(1 − w)² (1 − E_A w)(1 − E_B w)(1 − aⁿ w), a being the filter's pole and n the ticks in T_S. Nothing
+is approximated but the median, which a linear loop can only have as one sample.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numba
+import numpy as np
+
+from mptune.arrays import BoolArray, Complex, ComplexArray, FloatArray, kernel, parallel_kernel
+from mptune.signals.differentiator import TAPS
+from mptune.signals.tustin import discretise
+
+if TYPE_CHECKING:
+    from mptune.params.pack import LoopGains, MeasurementPath, Plants
+
+_UNIT_CIRCLE = 1e-9  # a multiplier nearer to the circle than this is undecided
+_QUARTIC = 4  # degree of the plant's denominator in w
+_EXTRA = 5  # older samples that Eq. 23 reaches back to
+
+
+class SampledPlant(NamedTuple):
+    """One plant as the controller samples it: response = numerator/denominator in w."""
+
+    position: FloatArray  # (M,) numerator of filtered position over F_ref
+    velocity: FloatArray  # (M,) numerator of Eq. 23's velocity over F_ref
+    factor_a: float  # E_A
+    factor_b: float  # E_B
+    factor_filter: float  # aⁿ
+
+
+@kernel
+def coefficient_count(longest_delay: float, path: MeasurementPath, period: float) -> int:
+    """Return M, enough coefficients for plants up to that delay, hold not counted [s]."""
+    ticks = round(period / path.sample_time)
+    return (
+        _QUARTIC + 1 + int(np.ceil(((ticks + _EXTRA) * path.sample_time + longest_delay) / period))
+    )
+
+
+@kernel
+def sampled_plant(
+    mass: float,
+    delay: float,
+    tau_a: float,
+    tau_b: float,
+    share_a: float,
+    path: MeasurementPath,
+    period: float,
+    count: int,
+) -> SampledPlant:
+    """Return one plant with its measurement path as the controller samples it.
+
+    Parameters
+    ----------
+    mass, tau_a, tau_b, share_a
+        The plant of Eq. 15 [kg], [s], [s], A_A/(A_A + A_B).
+    delay
+        Valve and computation [s], at least 0; the hold is in the sampling.
+    path
+        Median, filter and Eq. 23; its sample time divides ``period``.
+    period
+        T_S [s].
+    count
+        Number of coefficients, see ``coefficient_count``.
+    """
+    ticks = round(period / path.sample_time)
+    factor_a = np.exp(-period / tau_a) if tau_a > 0 else 0.0
+    factor_b = np.exp(-period / tau_b) if tau_b > 0 else 0.0
+    position, velocity = np.zeros(count), np.zeros(count)
+    terms = np.zeros(_QUARTIC + 1)
+    for back in range(1, ticks + _EXTRA + 1):  # ticks before the controller reads
+        age = (back * path.sample_time + delay) / period
+        whole = int(np.ceil(age - 1e-12))
+        within = max(whole - age, 0.0)
+        _position_terms(terms, within, mass, tau_a, tau_b, share_a, factor_a, factor_b, period)
+        of_position = _filter_weight(back - 1, ticks, path.filter_pole)
+        of_velocity = 0.0
+        for tap in range(len(TAPS)):
+            weight = _filter_weight(back - 1 - tap, ticks, path.filter_pole)
+            of_velocity += TAPS[tap] * weight / path.sample_time  # Eq. 23
+        for power in range(_QUARTIC + 1):
+            position[whole + power] += of_position * terms[power]
+            velocity[whole + power] += of_velocity * terms[power]
+    return SampledPlant(position, velocity, factor_a, factor_b, path.filter_pole**ticks)
+
+
+@kernel
+def _filter_weight(age: int, ticks: int, pole: float) -> float:
+    """Return the filter's weight of a sample within one period; older ones repeat it by aⁿ w."""
+    return (1 - pole) * pole**age if 0 <= age < ticks else 0.0
+
+
+@kernel
+def _position_terms(
+    terms: FloatArray,
+    within: float,
+    mass: float,
+    tau_a: float,
+    tau_b: float,
+    share_a: float,
+    factor_a: float,
+    factor_b: float,
+    period: float,
+) -> None:
+    """Fill the coefficients of x(w, θ) times (1 − w)² (1 − E_A w)(1 − E_B w)."""
+    share_b = 1 - share_a
+    faded_a = factor_a**within
+    faded_b = factor_b**within
+    mean = share_a * tau_a + share_b * tau_b
+    twice = period * period
+    slow = twice / 2  # of w (1 + w)/(1 − w)²
+    ramp = twice * within - mean * period  # of w/(1 − w)
+    level = twice * within * within / 2 - mean * period * within  # of 1
+    level += share_a * tau_a * tau_a * (1 - faded_a) + share_b * tau_b * tau_b * (1 - faded_b)
+    lag_a = share_a * tau_a * tau_a * (1 - factor_a) * faded_a  # of w/(1 − E_A w)
+    lag_b = share_b * tau_b * tau_b * (1 - factor_b) * faded_b
+    once, both = factor_a + factor_b, factor_a * factor_b  # (1 − E_A w)(1 − E_B w)
+    terms[0] = level
+    terms[1] = slow + ramp + lag_a + lag_b - level * (2 + once)
+    terms[2] = slow * (1 - once) - ramp * (1 + once) + level * (1 + 2 * once + both)
+    terms[2] -= lag_a * (2 + factor_b) + lag_b * (2 + factor_a)
+    terms[3] = slow * (both - once) + ramp * (once + both) - level * (once + 2 * both)
+    terms[3] += lag_a * (1 + 2 * factor_b) + lag_b * (1 + 2 * factor_a)
+    terms[4] = (slow - ramp + level) * both - lag_a * factor_b - lag_b * factor_a
+    for power in range(_QUARTIC + 1):
+        terms[power] /= mass
+
+
+@kernel
+def _polynomial(coefficients: FloatArray, w: Complex) -> Complex:
+    value = 0 * w
+    for i in range(len(coefficients) - 1, -1, -1):
+        value = value * w + coefficients[i]
+    return value
+
+
+@kernel
+def measured_parts(s: Complex, plant: SampledPlant, period: float) -> tuple[Complex, Complex]:
+    """Return measured position and measured velocity over F_ref, at s or at z = e^{sT_S}."""
+    w = np.exp(-s * period)
+    poles = (1 - w) ** 2 * (1 - plant.factor_a * w) * (1 - plant.factor_b * w)
+    poles *= 1 - plant.factor_filter * w
+    return _polynomial(plant.position, w) / poles, _polynomial(plant.velocity, w) / poles
+
+
+@kernel
+def sampled_controller(s: Complex, gains: LoopGains, period: float) -> Complex:
+    """Return Eq. 22 under Tustin at T_S, position error to velocity reference [1/s]."""
+    w = np.exp(-s * period)
+    law = discretise(gains, period)
+    shaped = (law.b0 + w * (law.b1 + w * law.b2)) / (1 + w * (law.a1 + w * law.a2))
+    return shaped + law.integral * (1 + w) / (1 - w)
+
+
+@kernel
+def sampled_loop(s: Complex, plant: SampledPlant, gains: LoopGains, period: float) -> Complex:
+    """Return the loop gain broken at F_ref, as it runs."""
+    position, velocity = measured_parts(s, plant, period)
+    return gains.k_p_vel * (velocity + sampled_controller(s, gains, period) * position)
+
+
+@kernel
+def _times(polynomial: FloatArray, zeroth: float, first: float, second: float) -> FloatArray:
+    """Return a polynomial in w times a quadratic one."""
+    product = np.zeros(len(polynomial) + 2)
+    for i in range(len(polynomial)):
+        product[i] += zeroth * polynomial[i]
+        product[i + 1] += first * polynomial[i]
+        product[i + 2] += second * polynomial[i]
+    return product
+
+
+@kernel
+def characteristic(plant: SampledPlant, gains: LoopGains, period: float) -> FloatArray:
+    """Return the closed loop's characteristic polynomial, leading coefficient 1 first.
+
+    Read as coefficients of falling powers of z, its roots are those characteristic multipliers
+    over T_S that are not zero; read as rising powers of w, their inverses.
+    """
+    law = discretise(gains, period)
+    factor_a, factor_b = plant.factor_a, plant.factor_b
+    opened = np.zeros(len(plant.position) - 4)
+    opened[0], opened[1] = 1.0, -plant.factor_filter
+    opened = _times(opened, 1.0, -2.0, 1.0)
+    opened = _times(opened, 1.0, -factor_a - factor_b, factor_a * factor_b)
+    opened = _times(_times(opened, 1.0, law.a1, law.a2), 1.0, -1.0, 0.0)
+    velocity = _times(_times(plant.velocity, 1.0, law.a1, law.a2), 1.0, -1.0, 0.0)
+    shaped = _times(_times(plant.position, law.b0, law.b1, law.b2), 1.0, -1.0, 0.0)
+    summed = _times(_times(plant.position, 1.0, law.a1, law.a2), law.integral, law.integral, 0.0)
+    return opened + gains.k_p_vel * (velocity + shaped + summed)  # of (1 + L_F) = 0
+
+
+@parallel_kernel
+def _characteristics(
+    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, period: float
+) -> FloatArray:
+    hold = period / 2
+    count = coefficient_count(plants.delay.max() - hold, path, period)
+    found = np.empty((len(plants.mass), count + 4))
+    for n in numba.prange(len(plants.mass)):
+        plant = sampled_plant(
+            plants.mass[n],
+            plants.delay[n] - hold,
+            plants.tau_a[n],
+            plants.tau_b[n],
+            share_a,
+            path,
+            period,
+            count,
+        )
+        found[n] = characteristic(plant, gains, period)
+    return found
+
+
+def multipliers(
+    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, period: float
+) -> ComplexArray:
+    """Return the closed loops' characteristic multipliers over T_S, ``(N, M)``.
+
+    Those that are always zero (a finite memory's) are left out.
+
+    Parameters
+    ----------
+    plants
+        The family; its delays hold half a sampling period for the hold and must be at least that.
+    share_a, gains, path
+        A_A/(A_A + A_B), the gains, and the measurement path at T_S,fast.
+    period
+        T_S [s].
+    """
+    polynomials = _characteristics(plants, share_a, gains, path, period)
+    count, order = polynomials.shape[0], polynomials.shape[1] - 1
+    companion = np.zeros((count, order, order))
+    companion[:, 0, :] = -polynomials[:, 1:]
+    companion[:, np.arange(1, order), np.arange(order - 1)] = 1.0
+    return np.asarray(np.linalg.eigvals(companion), np.complex128)
+
+
+def stable_as_sampled(
+    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, period: float
+) -> tuple[BoolArray, BoolArray]:
+    """Return ``(N,)`` whether all multipliers lie inside the unit circle, and whether that is sure.
+
+    Parameters as of ``multipliers``.
+    """
+    radius = np.abs(multipliers(plants, share_a, gains, path, period)).max(axis=1)
+    sure = np.abs(radius - 1) > _UNIT_CIRCLE
+    return np.asarray(sure & (radius < 1)), np.asarray(sure)

@@ -1,0 +1,51 @@
+"""The last link of the chain: how far the gain at F_ref may rise on the nonlinear machine."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from joblib import Parallel, delayed
+
+from mptune.robust.chain import Link, gain_limit
+from mptune.verify.verify import cases_of, run_case
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mptune.params.controller import Feedforward, Gains
+    from mptune.params.study import ResolvedStudy
+
+MACHINE = "nonlinear machine"
+_SETS = 3  # per machine; the first one is not judged
+_CLOSE = 0.02  # relative width of the bracket: seeds differ by more
+_TRIALS = 9  # about as many as a bisection from 1 to a factor below 2 takes
+
+
+def machine_gain_limit(
+    study: ResolvedStudy,
+    gains: Gains,
+    feedforward: Feedforward,
+    progress: Callable[[float], None] = lambda _share: None,
+) -> Link:
+    """Return the largest factor on K_P,vel with which every machine still verifies as stable.
+
+    The machines are those of the study's ``[verification]``, each with its first seed and a few
+    movement sets: more of them could only lower the factor, so that it errs on the high side.
+    """
+    asked = study.study.verification
+    fewer = asked.model_copy(update={"repeats": min(_SETS, asked.repeats)})
+    short = study.model_copy(
+        update={"study": study.study.model_copy(update={"verification": fewer})}
+    )
+    cases = [case for case in cases_of(short) if case.seed == asked.seeds[0]]
+    trials = 0
+
+    def holds(factor: float) -> bool:
+        nonlocal trials
+        trials += 1
+        progress(min(trials / _TRIALS, 1.0))
+        scaled = gains.model_copy(update={"k_p_vel": factor * gains.k_p_vel})
+        jobs = (delayed(run_case)(short, case, scaled, feedforward) for case in cases)
+        return all(one.stable for one in Parallel(n_jobs=-1, prefer="threads")(jobs))
+
+    return Link(MACHINE, gain_limit(holds, _CLOSE), None)
