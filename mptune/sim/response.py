@@ -35,14 +35,27 @@ def velocity_step(
     from mptune.params.pack import LoopGains
 
     gains = LoopGains(k_p_vel, 0.0, 0.0, 1.0, 0.0, 1.0)
-    return _responses(plants, share_a, gains, path, time, _AT_REST, 1.0, 0.0)[:, :, 1]
+    levels = (1.0, 0.0, 0.0)
+    return _responses(plants, share_a, gains, path, time, _AT_REST, levels)[:, :, 1]
 
 
 def position_step(
     plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, time: FloatArray
 ) -> FloatArray:
     """Return the position after a unit step of the position reference alone, ``(N, T)``."""
-    return _responses(plants, share_a, gains, path, time, _AT_REST, 0.0, 1.0)[:, :, 0]
+    levels = (0.0, 1.0, 0.0)
+    return _responses(plants, share_a, gains, path, time, _AT_REST, levels)[:, :, 0]
+
+
+def load_step(
+    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, time: FloatArray
+) -> FloatArray:
+    """Return the position after a step of the load force, per newton, ``(N, T)`` [m/N].
+
+    A positive load pushes against positive motion, as in Eq. 1.
+    """
+    levels = (0.0, 0.0, 1.0)
+    return _responses(plants, share_a, gains, path, time, _AT_REST, levels)[:, :, 0]
 
 
 def tracking(
@@ -57,7 +70,7 @@ def tracking(
 
     ``pieces`` ``(P, 7)`` is the reference, see ``mptune.signals.trajectory``.
     """
-    found = _responses(plants, share_a, gains, path, time, pieces, 0.0, 0.0)
+    found = _responses(plants, share_a, gains, path, time, pieces, (0.0, 0.0, 0.0))
     return found[:, :, 0], found[:, :, 1]
 
 
@@ -69,14 +82,16 @@ def _responses(
     path: MeasurementPath,
     time: FloatArray,
     pieces: FloatArray,
-    velocity_level: float,
-    position_level: float,
+    levels: tuple[float, float, float],
 ) -> FloatArray:
+    """Return positions and velocities ``(N, T, 2)``.
+
+    ``levels`` are the steps of velocity reference, position reference and load force at time 0.
+    """
     count = len(plants.mass)
     found = np.empty((count, len(time), 2))
     for n in numba.prange(count):
         plant = (plants.mass[n], plants.delay[n], plants.tau_a[n], plants.tau_b[n], share_a)
-        levels = (velocity_level, position_level)
         _response(plant, gains, path, time, pieces, levels, found[n])
     return found
 
@@ -230,11 +245,12 @@ def _response(
     path: MeasurementPath,
     time: FloatArray,
     pieces: FloatArray,
-    levels: tuple[float, float],
+    levels: tuple[float, float, float],
     found: FloatArray,
 ) -> None:
     """Fill ``found`` ``(T, 2)`` with position and velocity of one plant."""
     mass, delay, tau_a, tau_b, share_a = plant
+    load = levels[2]
     longest = _LONGEST_STEP if path.sample_time == 0 else min(_LONGEST_STEP, path.sample_time)
     behind = int(np.ceil(delay / longest))
     h = delay / behind
@@ -242,15 +258,14 @@ def _response(
     force = np.zeros((steps, 4))  # F_ref over each step: start, slope, end, slope
     x, v, y, dy = np.zeros(steps + 1), np.zeros(steps + 1), np.zeros(steps + 1), np.zeros(steps + 1)
     side_a, side_b, lag1, lag2, integral = 0.0, 0.0, 0.0, 0.0, 0.0
-    measured, measured_slope = 0.0, 0.0
-    out = 0
+    measured, measured_slope, out = 0.0, 0.0, 0
     for k in range(steps):
         past = (0.0, 0.0, 0.0, 0.0)
         if k >= behind:
             row = force[k - behind]
             past = _hermite(row[0], row[1], row[2], row[3], h)
         lag_a, lag_b = _lag(side_a, tau_a, past, h), _lag(side_b, tau_b, past, h)
-        start = share_a * (lag_a[0] + lag_a[4]) + (1 - share_a) * (lag_b[0] + lag_b[4])
+        start = share_a * (lag_a[0] + lag_a[4]) + (1 - share_a) * (lag_b[0] + lag_b[4]) - load
         r, v_ref, a_ref = reference(k * h, pieces)
         error, error_slope = levels[1] + r - y[k], v_ref - dy[k]
         if path.sample_time == 0:
@@ -262,9 +277,11 @@ def _response(
 
         side_a, once_a, twice_a = _lag_end(lag_a, tau_a, h)
         side_b, once_b, twice_b = _lag_end(lag_b, tau_b, h)
-        end = share_a * side_a + (1 - share_a) * side_b
-        v[k + 1] = v[k] + (share_a * once_a + (1 - share_a) * once_b) / mass
-        x[k + 1] = x[k] + h * v[k] + (share_a * twice_a + (1 - share_a) * twice_b) / mass
+        end = share_a * side_a + (1 - share_a) * side_b - load
+        once = share_a * once_a + (1 - share_a) * once_b - load * h
+        twice = share_a * twice_a + (1 - share_a) * twice_b - load * h * h / 2
+        v[k + 1] = v[k] + once / mass
+        x[k + 1] = x[k] + h * v[k] + twice / mass
         if path.sample_time == 0:
             y[k + 1], dy[k + 1] = x[k + 1], v[k + 1]
             measured, measured_slope = v[k + 1], end / mass
