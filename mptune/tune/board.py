@@ -62,6 +62,18 @@ class Board:
         }
         return found
 
+    def without(self, name: str) -> Board:
+        """Return a board without one requirement."""
+        found = copy(self)
+        found.peaks = {key: peak for key, peak in self.peaks.items() if key != name}
+        found._sampled = {  # noqa: SLF001 - of the same class
+            loops: replace(
+                one, inverse={key: curve for key, curve in one.inverse.items() if key != name}
+            )
+            for loops, one in self._sampled.items()
+        }
+        return found
+
     def _bounds(self, name: str, omega: FloatArray) -> dict[str, FloatArray]:
         """Return the inverse of every bound on some loops, and the objective's weight."""
         inverse = {
@@ -142,9 +154,12 @@ class Board:
         return np.unique(np.concatenate([np.zeros(0, np.int64), *chosen]))
 
     def highest(self, x: FloatArray, floor: float) -> set[Key]:
-        """Return the peaks of every curve above a share of its maximum."""
+        """Return the peaks of every curve above a share of its maximum, and a few guards."""
         keys = set()
         for name, one in self._sampled.items():
+            nearest = np.argmin(np.abs(self._difference(one, x)), axis=1)
+            for plant, place in enumerate(nearest):
+                keys.add(Key("guard", name, plant, float(one.loops.omega[place])))
             for kind in one.inverse:
                 quotient = self._quotient(one, kind, x)
                 keys |= _keys(kind, name, one.loops.omega, quotient, floor * quotient.max())

@@ -205,6 +205,26 @@ class Problem:
     stable: Callable[[FloatArray], bool] = field(repr=False)
 
     @property
+    def names(self) -> set[str]:
+        """The names of all requirements, the structure's bounds included."""
+        return {one.name for one in (*self.requirements, *self.linear)}
+
+    def without(self, name: str) -> Problem:
+        """Return the problem without one requirement, or without one bound of a parameter."""
+        structure = self.structure
+        low = [
+            -np.inf if name == f"{one} ≥" else bound
+            for one, bound in zip(structure.names, structure.low, strict=True)
+        ]
+        high = [
+            np.inf if name == f"{one} ≤" else bound
+            for one, bound in zip(structure.names, structure.high, strict=True)
+        ]
+        left = tuple(one for one in self.requirements if one.name != name)
+        free = replace(structure, low=tuple(low), high=tuple(high))
+        return replace(self, structure=free, requirements=left)
+
+    @property
     def peaks(self) -> tuple[Peak, ...]:
         """The bounds on closed-loop functions."""
         return tuple(one for one in self.requirements if isinstance(one, Peak))

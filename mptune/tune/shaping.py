@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -19,6 +19,7 @@ if TYPE_CHECKING:
 _ROUNDS = 30
 _STARTS = 3  # before a problem is called infeasible
 _EXACT = 1e-6  # of a quotient
+_EQUAL = 1e-3  # at the least largest quotient several are equally large
 _NEAR = 1e-4  # of the objective: a plant that is worse by less is not picked for it
 
 
@@ -104,13 +105,15 @@ def shape_loop(problem: Problem, start: FloatArray | None = None) -> Shaped:
     if not starts:
         return _nothing(problem, given)
     replaced = given is not None and not np.array_equal(starts[0], given)
-    outcomes = []
+    attempts = []
     for first in starts:
-        outcome = _Shaping(problem, first, replaced=replaced).shaped()
+        attempt = _Shaping(problem, first, replaced=replaced)
+        outcome = attempt.shaped()
         if outcome.status is not Status.INFEASIBLE:
             return outcome
-        outcomes.append(outcome)
-    return min(outcomes, key=lambda one: max(use.quotient for use in one.uses))
+        attempts.append((outcome, attempt))
+    outcome, attempt = min(attempts, key=lambda pair: max(use.quotient for use in pair[0].uses))
+    return replace(outcome, reliefs=attempt.reliefs())
 
 
 class _Shaping:
@@ -119,7 +122,6 @@ class _Shaping:
     def __init__(self, problem: Problem, start: FloatArray, *, replaced: bool) -> None:
         self._problem, self._start, self._replaced = problem, start, replaced
         self._picks = Picks(problem, start)
-        self._names = {one.name for one in (*problem.requirements, *problem.linear)}
         self._rounds: list[tuple[float, float]] = []
 
     def shaped(self) -> Shaped:
@@ -129,9 +131,9 @@ class _Shaping:
         iterates: tuple[Iterate, ...] = ()
         for _ in range(_ROUNDS):
             procedure = Procedure(self._problem, self._picks.board(), x)
-            x = procedure.satisfy(x, self._names)
+            x = procedure.satisfy(x, self._problem.names)
             if procedure.largest(x) > 1 + _EXACT:
-                return self._infeasible(procedure, x)
+                return self._outcome(Status.INFEASIBLE, x, procedure, ())
             iterates, converged = procedure.optimise(x)
             x, reached = iterates[-1].parameters, iterates[-1].objective
             uses = self._uses(x, procedure)
@@ -157,20 +159,22 @@ class _Shaping:
         status = Status.OPTIMAL if optimal else Status.NOT_CONVERGED
         return self._outcome(status, x, procedure, iterates[:last])
 
-    def _infeasible(self, procedure: Procedure, x: FloatArray) -> Shaped:
-        """Return the outcome at x, and how far each requirement would have to give."""
-        reliefs = []
-        for name in sorted(self._names):
-            if not _adjustable(self._problem, name):
+    def reliefs(self) -> tuple[Relief, ...]:
+        """Return how far each requirement would have to give, judged on the plants picked."""
+        problem, found = self._problem, []
+        for name in sorted(problem.names):
+            if not _adjustable(problem, name):
                 continue
-            others = self._names - {name}
-            point = procedure.satisfy(self._start, others)
+            board, others = self._picks.board(), problem.without(name)
+            alone = Procedure(others, board.without(name), self._start)
+            x = alone.satisfy(self._start, others.names)
             factor = np.inf
-            if procedure.largest(point, others) <= 1 + _EXACT:
-                point = procedure.satisfy(point, {name})
-                factor = procedure.largest(point, {name})
-            reliefs.append(Relief(name, factor, _bound_after(self._problem, name, factor)))
-        return self._outcome(Status.INFEASIBLE, x, procedure, (), tuple(reliefs))
+            if alone.largest(x) <= 1 + _EXACT:
+                procedure = Procedure(problem, board, x)
+                x = procedure.satisfy(x, {name})
+                factor = procedure.largest(x, {name})
+            found.append(Relief(name, factor, _bound_after(problem, name, factor)))
+        return tuple(found)
 
     def _uses(self, x: FloatArray, procedure: Procedure) -> tuple[Use, ...]:
         """Return every requirement's largest quotient over all plants."""
@@ -184,10 +188,8 @@ class _Shaping:
         x: FloatArray,
         procedure: Procedure,
         iterates: tuple[Iterate, ...],
-        reliefs: tuple[Relief, ...] = (),
     ) -> Shaped:
         uses = self._uses(x, procedure)
-        infeasible = status is Status.INFEASIBLE
         return Shaped(
             status=status,
             parameters=frozen(x.copy()),
@@ -196,10 +198,17 @@ class _Shaping:
             stable=self._problem.stable(x),
             iterates=iterates,
             rounds=tuple(self._rounds),
-            blocking=max(uses, key=lambda use: use.quotient) if infeasible else None,
-            reliefs=reliefs,
+            blocking=_blocking(uses) if status is Status.INFEASIBLE else None,
+            reliefs=(),
             start_replaced=self._replaced,
         )
+
+
+def _blocking(uses: tuple[Use, ...]) -> Use:
+    """Return the largest use; of several that are equally large, one that names a frequency."""
+    largest = max(use.quotient for use in uses)
+    near = [use for use in uses if use.quotient >= largest * (1 - _EQUAL)]
+    return max(near, key=lambda use: (np.isfinite(use.frequency), use.quotient))
 
 
 def _adjustable(problem: Problem, name: str) -> bool:

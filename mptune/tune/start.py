@@ -15,7 +15,7 @@ if TYPE_CHECKING:
 _HALVINGS = 12
 _CROSSOVERS = 16
 _GAIN = 0.3  # |L| of the proportional part at the frequency tried as crossover
-_SPLITS = (0.1, 0.01)  # of the integral part at the same frequency, over the proportional one
+_SPLITS = (0.1, 0.01)  # of every other part at the same frequency, over the proportional one
 
 
 def stabilising_starts(problem: Problem, start: FloatArray | None, most: int) -> list[FloatArray]:
@@ -52,8 +52,7 @@ def _candidates(problem: Problem, start: FloatArray | None) -> Iterator[FloatArr
         reach = np.abs(loops.plant[:, place]).max() * basis[:, place]
         reach = np.maximum(reach, 1e-300)
         for split in _SPLITS:
-            size = np.zeros(len(reach))
+            size = _GAIN * split / reach
             size[first] = _GAIN / reach[first]
-            size[integral] = _GAIN * split / reach[integral]
             for sign in signs:
                 yield sign * size
