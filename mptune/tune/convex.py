@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 _STEPS = 60
 _EXCHANGES = 25
-_TOLERANCE = 1e-4  # of the objective: what further steps would still bring
+_TOLERANCE = 2e-5  # of the objective: what further steps would still bring
 _VIOLATION = 0.5 * IN_HAND
 _SLACK_LOW = -0.01  # how far inside the requirements the feasibility phase aims
 
