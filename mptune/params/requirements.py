@@ -82,21 +82,41 @@ def _checked_ratio(value: Any) -> float:
 
 
 class Objective(Section):
-    """What the tuner improves."""
+    """What the tuner improves, on which loop, and with which freedom."""
 
-    kind: Literal["tracking", "disturbance", "bandwidth"] | None = Field(
+    kind: Literal["tracking", "disturbance", "load-step", "bandwidth"] | None = Field(
         None, description="the objective"
+    )
+    tracking_loop: Literal["continuous", "sampled"] = Field(
+        "continuous", description="loop on which tracking is judged: the paper's, or as it runs"
+    )
+    free_feedforward: tuple[
+        Literal["acceleration_mass", "reference_lag", "velocity_reference_lag"], ...
+    ] = Field((), description="feed-forward that the tuner may choose")
+    then: tuple[Literal["tracking", "disturbance", "load-step", "bandwidth"], ...] = Field(
+        (), description="objectives improved after the first, without giving it up"
+    )
+    keep: float = quantity(
+        "1", "κ", "share of an objective that later ones may cost", 0.01, at_least=0, at_most=1
     )
     tracking: float | None = quantity("1", "w_t", "weight of tracking", None, at_least=0)
     disturbance: float | None = quantity("1", "w_d", "weight of disturbance", None, at_least=0)
+    load_step: float | None = quantity("1", "w_l", "weight of the load step", None, at_least=0)
     bandwidth: float | None = quantity("1", "w_b", "weight of bandwidth", None, at_least=0)
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
-        weights = (self.tracking, self.disturbance, self.bandwidth)
+        weights = (self.tracking, self.disturbance, self.load_step, self.bandwidth)
         weighted = any(weight is not None for weight in weights)
         if weighted == (self.kind is not None):
             refuse("needs either a kind or weights", 'write kind = "tracking", or weights')
         if weighted and not any(weights):
             refuse("has no weight above zero", "give at least one positive weight")
+        if self.free_feedforward and self.tracking_loop != "sampled":
+            refuse(
+                "frees feed-forward that only the sampled loop, with its filters, can judge",
+                'write tracking_loop = "sampled"',
+            )
+        if self.then and self.kind is None:
+            refuse("has both weights and an order", "write kind and then, or weights")
         return self

@@ -69,7 +69,7 @@ def sweep(study: ResolvedStudy, gains: Gains | None = None) -> SweepResult:
     true = next(family for family in families if paths[family.path] == path)
     period = study.study.controller.sampling_period
     sampled = _sampled_family(omega, plants, share_a, packed, paths["filters"], period)
-    noise = float(noise_gain(packed, paths["filters"], period))
+    noise = noise_gain(packed, paths["filters"])
     conditions = _conditions(
         omega, found, plants, limits, converged, _premises(nominal, packed, path, true)
     )

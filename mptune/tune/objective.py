@@ -2,132 +2,160 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
+from mptune.params.pack import LoopGains, Plants, pack_feedforward
 from mptune.robust.condition import nominal_loops
-from mptune.sim.moves import Moves, moves_of
-from mptune.sim.response import tracking
+from mptune.sim.response import load_step, tracking
+from mptune.sim.sampled import SampledPlant, run_linear
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    from mptune.arrays import FloatArray
-    from mptune.params.manoeuvre import Manoeuvre
+    from mptune.arrays import FloatArray, IntArray
     from mptune.params.requirements import Objective
+    from mptune.sim.moves import Moves
+    from mptune.tune.space import Choice
+    from mptune.tune.task import Task
 
-_SAMPLES_PER_MOVE = 200
+BINS = 16  # of time: the error's peak in each is a smooth function of the gains
+_SAMPLES_PER_MOVE = 20 * BINS
+_LOAD_TIME = 12.0  # over K_P,pos: long after the peak
+_LOAD_SAMPLES = 400
+KINDS = ("tracking", "disturbance", "load-step", "bandwidth")
 
 
 @dataclass(frozen=True)
 class Figures:
-    """The three figures of merit of one set of gains.
+    """The figures of merit of one candidate.
 
     Attributes
     ----------
     tracking
-        Worst performance index over the plants: peak position error over peak velocity [s].
+        Worst performance index over the plants asked: peak position error over peak velocity [s].
     integral_gain
         K_I,pos [1/s²], which sets how fast a load step is carried.
+    load_step
+        Largest peak of the position's deviation per newton of a load step [m/N].
     bandwidth
         Frequency where the nominal closed position loop falls below −3 dB [rad/s].
     """
 
     tracking: float
     integral_gain: float
+    load_step: float
     bandwidth: float
 
+    def json(self) -> dict[str, float]:
+        """Return the figures in SI, units in the keys."""
+        keys = ("tracking_index_s", "k_i_pos", "load_step_m_per_n", "bandwidth_rad_s")
+        return {
+            key: getattr(self, field.name) for key, field in zip(keys, fields(self), strict=True)
+        }
 
-def weights_of(objective: Objective) -> tuple[float, float, float]:
-    """Return the weights of tracking, disturbance and bandwidth."""
-    kinds = ("tracking", "disturbance", "bandwidth")
+
+def weights_of(objective: Objective) -> dict[str, float]:
+    """Return the weight of each kind of objective that has one."""
     if objective.kind is not None:
-        return tuple(float(kind == objective.kind) for kind in kinds)  # type: ignore[return-value]
-    return objective.tracking or 0.0, objective.disturbance or 0.0, objective.bandwidth or 0.0
+        return {objective.kind: 1.0}
+    weights = {kind: getattr(objective, kind.replace("-", "_")) or 0.0 for kind in KINDS}
+    return {kind: weight for kind, weight in weights.items() if weight > 0}
 
 
 class Judge:
-    """Computes the figures of merit for one family and movement set.
+    """Computes the figures of merit of one task, on the plants that are worst in them.
 
-    The index is the largest over the moves, each from rest, and over the family's corners with
-    the least and the largest mass and lags: it hardly depends on anything else, and the family as
-    a whole is checked at the end.
+    It starts with the family's corners, and ``grow`` asks the whole family.
     """
 
-    def __init__(
-        self,
-        plants: Plants,
-        nominal: NominalPlant,
-        share_a: float,
-        path: MeasurementPath,
-        manoeuvres: Sequence[Manoeuvre],
-    ) -> None:
-        self._plants = corners(plants)
-        self._nominal = nominal
-        self._share_a = share_a
-        self._path = path
-        # The loop is linear: moves that differ by their distance only have the same index.
-        alike = {
-            move if move.kind == "file" else move.model_copy(update={"distance": 1.0})
-            for move in manoeuvres
-        }
-        self._moves = [moves_of([move]) for move in sorted(alike, key=repr)]
+    def __init__(self, task: Task) -> None:
+        self._task = task
+        self._sampled = task.study.study.objective.tracking_loop == "sampled"
+        self._tracking = self._loaded = task.corners()
 
-    def figures(self, gains: LoopGains) -> Figures:
-        """Return the figures of merit of one set of gains."""
-        return Figures(self.index(gains), gains.k_i_pos, self.bandwidth(gains))
+    def figures(self, choice: Choice) -> Figures:
+        """Return the figures of merit of one candidate."""
+        return Figures(
+            tracking=float(self.tracking_peaks(choice).max()),
+            integral_gain=choice.gains.k_i_pos,
+            load_step=float(self.load_peaks(choice.gains).max()),
+            bandwidth=self.bandwidth(choice.gains),
+        )
 
-    def cost(
-        self, gains: LoopGains, baseline: Figures, weights: tuple[float, float, float]
-    ) -> float:
-        """Return the weighted sum of the figures relative to the baseline's; less is better."""
-        cost = 0.0
-        if weights[0] > 0:
-            cost += weights[0] * self.index(gains) / baseline.tracking
-        if weights[1] > 0:
-            cost += weights[1] * max(baseline.integral_gain, 1e-9) / gains.k_i_pos
-        if weights[2] > 0:
-            cost += weights[2] * baseline.bandwidth / self.bandwidth(gains)
-        return cost
+    def tracking_peaks(self, choice: Choice, rows: IntArray | None = None) -> FloatArray:
+        """Return each plant's, move's and time window's peak error over its peak velocity [s].
 
-    def index(self, gains: LoopGains) -> float:
-        """Return the worst performance index over corners and moves [s]."""
-        return max(
-            float(family_index(self._plants, self._share_a, gains, self._path, move).max())
-            for move in self._moves
+        Shape ``(n, M, BINS)``. The continuous loop has velocity feed-forward alone, exact dead
+        time, and the measurement path of the study's model; the sampled one is the loop as it
+        runs, feed-forward included.
+        """
+        plants = self._task.picked(self._tracking if rows is None else rows)
+        found = _as_sampled if self._sampled else _continuous
+        peaks = [found(self._task, plants, choice, move) for move in self._task.moves]
+        return np.asarray(np.stack(peaks, axis=1))
+
+    def load_peaks(self, gains: LoopGains, rows: IntArray | None = None) -> FloatArray:
+        """Return each plant's largest position deviation per newton of a load step [m/N]."""
+        task, plants = self._task, self._task.picked(self._loaded if rows is None else rows)
+        time = np.linspace(0, _LOAD_TIME / gains.k_p_pos, _LOAD_SAMPLES)
+        return np.asarray(
+            np.abs(load_step(plants, task.share_a, gains, task.path, time)).max(axis=1)
         )
 
     def bandwidth(self, gains: LoopGains) -> float:
         """Return the −3 dB bandwidth of the nominal closed position loop [rad/s]."""
-        crossover = gains.k_p_vel / self._nominal.mass
+        crossover = gains.k_p_vel / self._task.nominal.mass
         omega = np.geomspace(1e-3 * crossover, 10 * crossover, 400)
-        loop = nominal_loops(omega, self._nominal, gains, self._path)[1]
-        below = np.flatnonzero(np.abs(loop / (1 + loop)) < 2**-0.5)
-        return float(omega[below[0]]) if len(below) else float(omega[-1])
+        loop = nominal_loops(omega, self._task.nominal, gains, self._task.path)[1]
+        closed = np.log(np.abs(loop / (1 + loop))) + 0.5 * np.log(2)
+        below = np.flatnonzero(closed < 0)
+        if len(below) == 0 or below[0] == 0:
+            return float(omega[-1] if len(below) == 0 else omega[0])
+        last, first = below[0] - 1, below[0]
+        share = closed[last] / (closed[last] - closed[first])
+        return float(omega[last] * (omega[first] / omega[last]) ** share)
+
+    def grow(self, choice: Choice, kinds: tuple[str, ...]) -> tuple[dict[str, float], bool]:
+        """Ask the whole family; add the plant that is worst where it is not known yet.
+
+        Returns
+        -------
+        tuple
+            The worst value by kind, over the whole family, and whether a plant was added.
+        """
+        every, worst, added = np.arange(len(self._task.plants.mass)), {}, False
+        if "tracking" in kinds:
+            peaks = self.tracking_peaks(choice, every).max(axis=(1, 2))
+            worst["tracking"] = float(peaks.max())
+            if peaks.max() > 1.001 * peaks[self._tracking].max():
+                self._tracking, added = np.union1d(self._tracking, [int(np.argmax(peaks))]), True
+        if "load-step" in kinds:
+            peaks = self.load_peaks(choice.gains, every)
+            worst["load-step"] = float(peaks.max())
+            if peaks.max() > 1.001 * peaks[self._loaded].max():
+                self._loaded, added = np.union1d(self._loaded, [int(np.argmax(peaks))]), True
+        return worst, added
 
 
-def corners(plants: Plants) -> Plants:
-    """Return the plants with the least and largest mass, all lags smallest or all largest."""
-    lags = np.stack([plants.delay, plants.tau_a, plants.tau_b])
-    small = np.all(lags == lags.min(axis=1, keepdims=True), axis=0)
-    large = np.all(lags == lags.max(axis=1, keepdims=True), axis=0)
-    light, heavy = plants.mass == plants.mass.min(), plants.mass == plants.mass.max()
-    keep = (small | large) & (light | heavy)
-    return Plants(*(np.ascontiguousarray(column[keep]) for column in plants))
-
-
-def family_index(
-    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, move: Moves
-) -> FloatArray:
-    """Return each plant's peak position error over its peak velocity [s] for one move, ``(N,)``.
-
-    Continuous controller, exact dead time, velocity feed-forward (§7.2).
-    """
+def _continuous(task: Task, plants: Plants, choice: Choice, move: Moves) -> FloatArray:
     time = np.linspace(0, move.duration, _SAMPLES_PER_MOVE + 1)
     wanted = move.sampled(_SAMPLES_PER_MOVE)
-    position, velocity = tracking(plants, share_a, gains, path, time, move.pieces)
-    error = np.abs(position - wanted).max(axis=1)
-    return np.asarray(error / np.abs(velocity).max(axis=1))
+    position, velocity = tracking(plants, task.share_a, choice.gains, task.path, time, move.pieces)
+    error = np.abs(position - wanted)[:, 1:].reshape(len(plants.mass), BINS, -1).max(axis=2)
+    return np.asarray(error / np.abs(velocity).max(axis=1)[:, None])
+
+
+def _as_sampled(task: Task, plants: Plants, choice: Choice, move: Moves) -> FloatArray:
+    fast = task.filters.sample_time
+    ahead = pack_feedforward(choice.feedforward, fast)
+    ticks = round(move.duration / fast) // BINS * BINS
+    found = np.empty((len(plants.mass), BINS))
+    for n, (mass, delay, tau_a, tau_b) in enumerate(zip(*plants, strict=True)):
+        plant = SampledPlant(mass, delay - task.period / 2, tau_a, tau_b, task.share_a)
+        wanted, position, velocity, _ = run_linear(
+            plant, choice.gains, task.filters, task.period, move.pieces, ahead, ticks
+        )
+        error = np.abs(wanted - position).reshape(BINS, -1).max(axis=1)
+        found[n] = error / np.abs(velocity).max()
+    return found

@@ -1,0 +1,197 @@
+"""What the tuner may choose: a controller's parameters, the velocity gain, the feed-forward.
+
+Each structure of the position controller is a part of Eq. 22's parameter space, so that one loop,
+one set of requirements and one search serve them all:
+
+==========  ====================================================================================
+``p``       K_P: ω = 1/τ and ξ = 1 make the shape of Eq. 22 equal to 1
+``pi``      the same with K_I
+``pid``     K_P + K_I/s + K_D s/(τs + 1): (K_P + x_1 s + x_2 s²)/(τs + 1)² with
+            x_1 = 2τK_P + K_D and x_2 = τ²K_P + τK_D
+``eq22``    all five
+==========  ====================================================================================
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+if TYPE_CHECKING:
+    from mptune.arrays import FloatArray
+    from mptune.params.controller import Feedforward
+    from mptune.params.pack import LoopGains
+    from mptune.params.section import Range
+    from mptune.tune.task import Task
+
+STRUCTURES = ("p", "pi", "pid", "eq22")
+_OF_STRUCTURE = {
+    "p": ("k_p_pos",),
+    "pi": ("k_p_pos", "k_i_pos"),
+    "pid": ("k_p_pos", "k_i_pos", "k_d_pos", "tau"),
+    "eq22": ("k_p_pos", "k_i_pos", "omega", "xi", "tau"),
+}
+_LINEAR_UNIT = {  # these may be 0, and so are not searched on logarithmic scales
+    "acceleration_mass": 1e4,  # kg
+    "reference_lag": 5e-3,  # s
+    "velocity_reference_lag": 5e-3,  # s
+}
+_LONGEST_LAG = 0.1  # s
+
+
+class Choice(NamedTuple):
+    """One candidate: gains, and feed-forward beyond the velocity reference."""
+
+    gains: LoopGains
+    feedforward: Feedforward
+
+
+@dataclass(frozen=True)
+class Space:
+    """The free parameters, their bounds, and the scales on which they are searched.
+
+    Attributes
+    ----------
+    structure
+        One of ``STRUCTURES``.
+    names
+        The free parameters.
+    low, high
+        Their bounds on the search's scales, ``(K,)``: logarithms, or multiples of a unit.
+    fixed
+        What the other parameters are.
+    """
+
+    structure: str
+    names: tuple[str, ...]
+    low: FloatArray
+    high: FloatArray
+    fixed: Choice
+
+    def choice(self, point: FloatArray) -> Choice:
+        """Return the candidate at a point ``(K,)`` of the search's scales."""
+        inside = np.clip(point, self.low, self.high)
+        values = {
+            name: float(at * _LINEAR_UNIT[name]) if name in _LINEAR_UNIT else float(np.exp(at))
+            for name, at in zip(self.names, inside, strict=True)
+        }
+        ahead = {name: values.pop(name) for name in tuple(values) if name in _LINEAR_UNIT}
+        feedforward = self.fixed.feedforward.model_copy(update=ahead)
+        return Choice(self._gains(values), feedforward)
+
+    def point(self, choice: Choice) -> FloatArray:
+        """Return a candidate's point, moved inside the bounds."""
+        values = {**choice.gains._asdict(), **choice.feedforward.model_dump()}
+        if self.structure == "pid":
+            values["k_d_pos"] = _derivative_gain(choice.gains)
+        point = [
+            values[name] / _LINEAR_UNIT[name]
+            if name in _LINEAR_UNIT
+            else np.log(max(values[name], 1e-300))
+            for name in self.names
+        ]
+        return np.asarray(np.clip(point, self.low, self.high), np.float64)
+
+    def _gains(self, values: dict[str, float]) -> LoopGains:
+        derivative = values.pop("k_d_pos", 0.0)
+        gains = self.fixed.gains._replace(**values)
+        if self.structure in {"p", "pi"}:
+            gains = gains._replace(omega=1 / gains.tau, xi=1.0)
+        if self.structure == "p":
+            gains = gains._replace(k_i_pos=0.0)
+        if self.structure == "pid":
+            first = 2 * gains.tau * gains.k_p_pos + derivative
+            second = gains.tau**2 * gains.k_p_pos + gains.tau * derivative
+            omega = float(np.sqrt(gains.k_p_pos / second))
+            gains = gains._replace(omega=omega, xi=first * omega / (2 * gains.k_p_pos))
+        return gains
+
+
+def _derivative_gain(gains: LoopGains) -> float:
+    """Return the K_D that is nearest to Eq. 22's gains, from the coefficient of s."""
+    first = 2 * gains.xi * gains.k_p_pos / gains.omega
+    return max(first - 2 * gains.tau * gains.k_p_pos, 1e-3 * first)
+
+
+def space_of(
+    task: Task,
+    largest_velocity_gain: float,
+    structure: str = "eq22",
+    extra: dict[str, Range] | None = None,
+) -> Space:
+    """Return the space of one structure in the study's bounds, else in wide ones.
+
+    The velocity gain is free below ``largest_velocity_gain`` [N s/m] where requirements beyond
+    Eq. 17 may ask for less. Feed-forward is free where the study's objective names it. ``extra``
+    bounds replace the study's.
+    """
+    bounds = {**_default_bounds(task, largest_velocity_gain), **_stated(task), **(extra or {})}
+    names = [*_OF_STRUCTURE[structure]]
+    if _velocity_gain_is_free(task):
+        low = bounds["k_p_vel"][0]
+        bounds["k_p_vel"] = (min(low, largest_velocity_gain), largest_velocity_gain)
+        names.append("k_p_vel")
+    names += task.study.study.objective.free_feedforward
+    start = task.start._replace(k_p_vel=largest_velocity_gain)
+    values = {name: _middle(bounds[name]) for name in names if bounds[name][0] == bounds[name][1]}
+    fixed = start._replace(
+        **{name: value for name, value in values.items() if name in start._fields}
+    )
+    if structure in {"p", "pi"}:
+        fixed = fixed._replace(tau=bounds["tau"][0])
+    names = [name for name in names if name not in values]
+    scaled = np.array([_scaled(name, bounds[name]) for name in names]).reshape(len(names), 2)
+    choice = Choice(fixed, task.study.study.feedforward)
+    return Space(structure, tuple(names), scaled[:, 0], scaled[:, 1], choice)
+
+
+def _scaled(name: str, pair: Range) -> Range:
+    if name in _LINEAR_UNIT:
+        return pair[0] / _LINEAR_UNIT[name], pair[1] / _LINEAR_UNIT[name]
+    return float(np.log(pair[0])), float(np.log(pair[1]))
+
+
+def _middle(pair: Range) -> float:
+    return 0.5 * (pair[0] + pair[1])
+
+
+def _velocity_gain_is_free(task: Task) -> bool:
+    """Return whether less than the largest velocity gain may do better."""
+    asked = task.requirements
+    others = (asked.gain_margin, asked.sampled_sensitivity_peak, asked.noise_gain)
+    margins = (asked.sensitivity_peak, asked.complementary_peak)
+    return any(limit is not None for limit in (*others, *margins))
+
+
+def _default_bounds(task: Task, k_p_vel: float) -> dict[str, Range]:
+    """Return a wide box about the velocity crossover.
+
+    τ is at least half a sampling period, below which Tustin's approximation rings.
+    """
+    crossover = k_p_vel / task.nominal.mass
+    half_period = task.period / 2
+    return {
+        "k_p_vel": (0.2 * k_p_vel, k_p_vel),
+        "k_p_pos": (0.02 * crossover, 2 * crossover),
+        "k_i_pos": (1e-4 * crossover**2, crossover**2),
+        "k_d_pos": (1e-4, 2.0),
+        "omega": (0.2 * crossover, 20 * crossover),
+        "xi": (0.05, 3.0),
+        "tau": (half_period, max(10 * half_period, 2 / crossover)),
+        "acceleration_mass": (0.0, 2 * float(task.plants.mass.max())),
+        "reference_lag": (0.0, _LONGEST_LAG),
+        "velocity_reference_lag": (0.0, _LONGEST_LAG),
+    }
+
+
+def _stated(task: Task) -> dict[str, Range]:
+    """Return the study's bounds; logarithmic scales start just above 0."""
+    stated = task.requirements.bounds
+    found = {}
+    for name in type(stated).model_fields:
+        pair = getattr(stated, name)
+        if pair is not None:
+            found[name] = (max(pair[0], 1e-6 * max(pair[1], 1e-6)), pair[1])
+    return found
