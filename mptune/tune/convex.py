@@ -34,6 +34,7 @@ _EXCHANGES = 25
 _TOLERANCE = 2e-5  # of the objective: what further steps would still bring
 _VIOLATION = 0.5 * IN_HAND
 _NOTHING = 1e-300
+_ROUNDING = 1e-6  # of a parameter's scale
 _SLACK_LOW = -0.01  # how far inside the requirements the feasibility phase aims
 
 
@@ -225,7 +226,7 @@ class Procedure:
             step = solve_step(rows, fixed, gain, gamma_gain, _SLACK_LOW if relief else 0.0)
             if step.delta is None:
                 return None
-            y = x + self._scale * step.delta
+            y = self._on_bounds(x + self._scale * step.delta)
             board.refine(y)
             gamma = step.gamma / unit if gamma_gain else 0.0
             new = board.violated(x, y, gamma, step.slack, relief, _VIOLATION) - keys
@@ -234,6 +235,12 @@ class Procedure:
             keys |= new
         self._keys = {key for key in keys if key.kind != "guard"} if len(keys) < 60 else set()
         return self._safeguarded(x, y, relief)
+
+    def _on_bounds(self, y: FloatArray) -> FloatArray:
+        """Return y with what the solver's tolerance left beyond a bound put on the bound."""
+        structure = self._problem.structure
+        clipped = np.clip(y, structure.low, structure.high)
+        return np.where(np.abs(clipped - y) <= _ROUNDING * self._scale, clipped, y)
 
     def _safeguarded(
         self, x: FloatArray, y: FloatArray | None, relief: dict[str, float]
