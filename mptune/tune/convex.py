@@ -22,7 +22,7 @@ import numpy as np
 
 from mptune.tune.board import IN_HAND, Board
 from mptune.tune.problem import Maximise
-from mptune.tune.program import Fixed, solve_step
+from mptune.tune.program import Fixed, Rows, solve_step
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
@@ -33,6 +33,8 @@ _STEPS = 60
 _EXCHANGES = 25
 _TOLERANCE = 2e-5  # of the objective: what further steps would still bring
 _VIOLATION = 0.5 * IN_HAND
+_NOTHING = 1e-300
+_ROUNDING = 1e-6  # of a parameter's scale
 _SLACK_LOW = -0.01  # how far inside the requirements the feasibility phase aims
 
 
@@ -105,6 +107,12 @@ class Procedure:
         for one, size in zip(self._linear, self._linear_size, strict=True):
             over = (float(one.coefficients @ x) - one.largest) / size
             found.append(Use(one.name, 1 + over, np.nan, -1))
+        for cone in self._problem.cones:
+            quotient = abs(cone.left @ x) / max(float(cone.right @ x), _NOTHING)
+            found.append(Use(cone.name, float(quotient), np.nan, -1))
+        for curved in self._problem.concave:
+            over = curved.value(x) / max(curved.size(x), _NOTHING)
+            found.append(Use(curved.name, 1 + over, np.nan, -1))
         return tuple(found)
 
     def largest(self, x: FloatArray, names: set[str] | None = None) -> float:
@@ -177,12 +185,30 @@ class Procedure:
             linear.append(one.coefficients * self._scale / size)
             room.append((one.largest - float(one.coefficients @ x)) / size)
             slack.append(relief.get(one.name, 0.0))
+        for curved in self._problem.concave:
+            scale = max(curved.size(x), _NOTHING)
+            linear.append(curved.gradient(x) * self._scale / scale)
+            room.append(-curved.value(x) / scale)
+            slack.append(relief.get(curved.name, 0.0))
         table = np.array(linear).reshape(len(linear), len(x))
         return Fixed(tuple(norms), table, np.array(room), np.array(slack))
 
+    def _cones(self, x: FloatArray, relief: dict[str, float]) -> list[Rows]:
+        """Return the cones as rows of a step from x."""
+        found = []
+        for cone in self._problem.cones:
+            size = max(float(cone.right @ x), _NOTHING)
+            right = (cone.right * self._scale / size)[None]
+            left = (cone.left * self._scale / size)[None] * (1 + IN_HAND)
+            left_0 = np.array([cone.left @ x], np.complex128) / size * (1 + IN_HAND)
+            slack = np.array([relief.get(cone.name, 0.0)])
+            right_0 = np.array([cone.right @ x]) / size
+            found.append(Rows(right, right_0, left, left_0, np.zeros(1), slack))
+        return found
+
     def _step(self, x: FloatArray, relief: dict[str, float]) -> FloatArray | None:
         """Return the next iterate from x; with relief, one of smaller violation."""
-        board, fixed = self._board, self._fixed(x, relief)
+        board, fixed, cones = self._board, self._fixed(x, relief), self._cones(x, relief)
         value = self.objective(x)
         gain, gamma_gain, unit = np.zeros(len(x)), 0.0, 1.0
         if isinstance(self._problem.objective, Maximise):
@@ -195,12 +221,12 @@ class Procedure:
         keys = self._keys | board.highest(x, 0.8)
         y = None
         for _ in range(_EXCHANGES):
-            rows = board.rows(x, self._scale, keys, relief)
+            rows = Rows.joined([board.rows(x, self._scale, keys, relief), *cones])
             rows.weight[:] /= unit
             step = solve_step(rows, fixed, gain, gamma_gain, _SLACK_LOW if relief else 0.0)
             if step.delta is None:
                 return None
-            y = x + self._scale * step.delta
+            y = self._on_bounds(x + self._scale * step.delta)
             board.refine(y)
             gamma = step.gamma / unit if gamma_gain else 0.0
             new = board.violated(x, y, gamma, step.slack, relief, _VIOLATION) - keys
@@ -209,6 +235,12 @@ class Procedure:
             keys |= new
         self._keys = {key for key in keys if key.kind != "guard"} if len(keys) < 60 else set()
         return self._safeguarded(x, y, relief)
+
+    def _on_bounds(self, y: FloatArray) -> FloatArray:
+        """Return y with what the solver's tolerance left beyond a bound put on the bound."""
+        structure = self._problem.structure
+        clipped = np.clip(y, structure.low, structure.high)
+        return np.where(np.abs(clipped - y) <= _ROUNDING * self._scale, clipped, y)
 
     def _safeguarded(
         self, x: FloatArray, y: FloatArray | None, relief: dict[str, float]

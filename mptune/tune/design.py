@@ -148,10 +148,7 @@ def design(
         requirements=(*wanted, *requirements),
         stable=stability,
     )
-    first = None
-    if start is not None:
-        first = np.array([start[name] for name in bounded.names])
-    problem, shaped = _shaped_to_the_ends(problem, first)
+    problem, shaped = _shaped_to_the_ends(problem, _first(bounded, start))
     if not shaped.stable and stability.reasons:
         raise InputError("design", *(stability.reasons))
     gains = dict(zip(bounded.names, shaped.parameters.tolist(), strict=True))
@@ -238,6 +235,15 @@ def _ratio_peak(ratio: float, nominal: Response, others: list[Response]) -> Peak
         return np.asarray(ratio / np.maximum(error, 1e-300))
 
     return Peak("ratio", Function.COMPLEMENTARY, allowed, NOMINAL)
+
+
+def _first(structure: Structure, start: Mapping[str, float] | None) -> FloatArray | None:
+    if start is None:
+        return None
+    missing = [name for name in structure.names if name not in start]
+    if missing:
+        _refuse("start", f"has no {', '.join(missing)}", "give every parameter, or no start")
+    return np.array([float(start[name]) for name in structure.names])
 
 
 def _refuse(key: str, rule: str, remedy: str) -> None:

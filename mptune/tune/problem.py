@@ -162,6 +162,37 @@ class Linear:
 
 
 @dataclass(frozen=True)
+class Cone:
+    """The requirement |left·x| ≤ right·x."""
+
+    name: str
+    left: ComplexArray  # (K,)
+    right: FloatArray  # (K,)
+
+
+@dataclass(frozen=True)
+class Concave:
+    """The requirement value(x) ≤ 0 of a concave function, replaced by its tangent, which is safe.
+
+    Attributes
+    ----------
+    name
+        The requirement's name in results.
+    value
+        The function of x.
+    gradient
+        Its gradient, ``(K,)``.
+    size
+        ``(x)``: what a value of it is to be compared with.
+    """
+
+    name: str
+    value: Callable[[FloatArray], float]
+    gradient: Callable[[FloatArray], FloatArray]
+    size: Callable[[FloatArray], float]
+
+
+@dataclass(frozen=True)
 class Maximise:
     """The objective to make coefficients·x large, such as the integral gain."""
 
@@ -176,7 +207,7 @@ class WeightedSensitivity:
     loops: str
 
 
-Requirement = Peak | Norm | Linear
+Requirement = Peak | Norm | Linear | Cone | Concave
 Objective = Maximise | WeightedSensitivity
 
 
@@ -233,6 +264,16 @@ class Problem:
     def norms(self) -> tuple[Norm, ...]:
         """The bounds on norms."""
         return tuple(one for one in self.requirements if isinstance(one, Norm))
+
+    @property
+    def cones(self) -> tuple[Cone, ...]:
+        """The cones in the space of the parameters."""
+        return tuple(one for one in self.requirements if isinstance(one, Cone))
+
+    @property
+    def concave(self) -> tuple[Concave, ...]:
+        """The concave functions."""
+        return tuple(one for one in self.requirements if isinstance(one, Concave))
 
     @property
     def linear(self) -> tuple[Linear, ...]:

@@ -10,7 +10,7 @@ import numpy as np
 from mptune.arrays import FloatArray, frozen
 from mptune.tune.convex import Iterate, Procedure, Status, Use
 from mptune.tune.picks import Picks
-from mptune.tune.problem import Linear, Maximise
+from mptune.tune.problem import Linear, Maximise, Norm, Peak
 from mptune.tune.start import stabilising_starts
 
 if TYPE_CHECKING:
@@ -219,7 +219,7 @@ def _adjustable(problem: Problem, name: str) -> bool:
 def _bound_after(problem: Problem, name: str, factor: float) -> float:
     """Return the bound that a requirement would need, NaN where it is a curve."""
     for one in (*problem.requirements, *problem.linear):
-        if one.name == name and not callable(one.largest):
+        if one.name == name and isinstance(one, Peak | Norm | Linear) and not callable(one.largest):
             return (
                 one.largest * factor
                 if not isinstance(one, Linear)

@@ -18,7 +18,7 @@ _LARGE = 4.0  # |L| at the first frequency of a loop with poles at the origin
 _TAIL = 0.5  # |L| at the last frequency
 _STRAIGHT = np.pi / 4  # largest deviation from the asymptote's angle at the first frequency
 _TURN = np.pi / 6  # of 1 + L, that a step far from −1 may take
-_POINTS = 6000  # of the count where loops are known at any frequency
+_POINTS = 2000  # of the count where loops are known at any frequency
 _BEYOND = 1e3  # how far below and above the grid that count looks
 
 _DOUBTS = {
