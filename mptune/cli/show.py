@@ -26,7 +26,7 @@ if TYPE_CHECKING:
     from mptune.job.run import JobResult
     from mptune.params.controller import Gains
     from mptune.robust.result import SweepResult
-    from mptune.tune.tuner import TuneResult
+    from mptune.tune.result import TuneResult
     from mptune.verify.result import VerifyResult
 
 _PIPE_WIDTH = 120  # columns, where the output is no terminal

@@ -7,13 +7,17 @@ from typing import TYPE_CHECKING
 from mptune.params.gains import GainsFile, Verdict, now, version
 
 if TYPE_CHECKING:
+    from mptune.params.controller import Feedforward
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
     from mptune.verify.result import VerifyResult
 
 
 def gains_file(
-    swept: SweepResult, moves: tuple[LinearMove, ...], verified: VerifyResult | None
+    swept: SweepResult,
+    feedforward: Feedforward,
+    moves: tuple[LinearMove, ...],
+    verified: VerifyResult | None,
 ) -> GainsFile:
     """Return what ``gains.toml`` says of a set of gains and its verdicts.
 
@@ -41,6 +45,6 @@ def gains_file(
         margins=margins,
         closed_loop=closed_loop,
         gains=swept.gains,
-        feedforward=swept.study.study.feedforward,
+        feedforward=feedforward,
         figures={"margins": worst, "closed_loop": index},
     )

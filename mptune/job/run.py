@@ -33,7 +33,7 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
-    from mptune.tune.tuner import TuneResult
+    from mptune.tune.result import TuneResult
     from mptune.verify.result import VerifyResult
 
 STAGES = ("sweep", "tune", "linear check", "verify", "figures", "report")
@@ -120,8 +120,13 @@ def run(
     progress("tune", 0.0)
     tuned = tune(study, lambda share: progress("tune", share))
     progress("linear check", 0.0)
-    moves_before, moves = linear_moves(study), linear_moves(study, tuned.gains)
-    exported = write_gains(folder / "gains.toml", gains_file(tuned.sweep, moves, None))
+    moves_before, moves = (
+        linear_moves(study),
+        linear_moves(study, tuned.gains, tuned.feedforward),
+    )
+    exported = write_gains(
+        folder / "gains.toml", gains_file(tuned.sweep, tuned.feedforward, moves, None)
+    )
     files = [write_sweep(folder / "sweep.nc", tuned.sweep), exported]
     verified = None
     if tuned.sweep.satisfied:
@@ -130,7 +135,7 @@ def run(
         verified = verify(
             study, file.gains, file.feedforward, lambda share: progress("verify", share)
         )
-        write_gains(exported, gains_file(tuned.sweep, moves, verified))
+        write_gains(exported, gains_file(tuned.sweep, tuned.feedforward, moves, verified))
         files.append(write_traces(folder / "traces.nc", verified))
     progress("figures", 0.0)
     figures, picture = draw(tuned.sweep, moves, verified)

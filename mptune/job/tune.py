@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from mptune.params.study import ResolvedStudy
-    from mptune.tune.tuner import TuneResult
+    from mptune.tune.result import TuneResult
 
 
 def tune_study(
@@ -25,5 +25,6 @@ def tune_study(
     folder = make_folder(out / study.name)
     progress("tune", 0.0)
     tuned = tune(study, lambda share: progress("tune", share))
-    moves = linear_moves(study, tuned.gains)
-    return tuned, (write_gains(folder / "gains.toml", gains_file(tuned.sweep, moves, None)),)
+    moves = linear_moves(study, tuned.gains, tuned.feedforward)
+    file = gains_file(tuned.sweep, tuned.feedforward, moves, None)
+    return tuned, (write_gains(folder / "gains.toml", file),)

@@ -12,11 +12,11 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.arrays import FloatArray
 from mptune.signals.conditioning import filter_response
 from mptune.signals.differentiator import differentiator_over_s
 
 if TYPE_CHECKING:
+    from mptune.arrays import FloatArray
     from mptune.params.pack import LoopGains, MeasurementPath
 
 _POINTS = 2000  # of the integral over frequency; its relative error is below 1e-5

@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
-    from mptune.tune.tuner import TuneResult
+    from mptune.tune.result import TuneResult
     from mptune.verify.result import CaseResult, VerifyResult
 
 

@@ -81,6 +81,14 @@ class Demands:
         )
 
     @property
+    def plants(self) -> int:
+        """Number of plants that are asked."""
+        asked = [self._envelope]
+        asked += [self._true] if self._peaks else []
+        asked += [self._sampled] if self._of_sampled else []
+        return len(np.unique(np.concatenate(asked)))
+
+    @property
     def names(self) -> tuple[str, ...]:
         """The requirement behind each of the excesses."""
         found = [POSITION] * WINDOWS

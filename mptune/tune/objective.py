@@ -74,6 +74,11 @@ class Judge:
         self._sampled = task.study.study.objective.tracking_loop == "sampled"
         self._tracking = self._loaded = task.corners()
 
+    @property
+    def plants(self) -> int:
+        """Number of plants that are asked."""
+        return len(np.union1d(self._tracking, self._loaded))
+
     def figures(self, choice: Choice) -> Figures:
         """Return the figures of merit of one candidate."""
         return Figures(

@@ -94,6 +94,14 @@ class Space:
         ]
         return np.asarray(np.clip(point, self.low, self.high), np.float64)
 
+    def limits(self) -> dict[str, Range]:
+        """Return the bounds of each of Eq. 22's gains in SI, fixed ones included."""
+        found = {name: (value, value) for name, value in self.fixed.gains._asdict().items()}
+        for name, low, high in zip(self.names, self.low, self.high, strict=True):
+            if name in found:
+                found[name] = float(np.exp(low)), float(np.exp(high))
+        return found
+
     def _gains(self, values: dict[str, float]) -> LoopGains:
         derivative = values.pop("k_d_pos", 0.0)
         gains = self.fixed.gains._replace(**values)

@@ -1,0 +1,257 @@
+"""The search of one structure's best gains: convex starts, polish, growing sets of plants."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.tune.core import Core
+from mptune.tune.demands import Demands
+from mptune.tune.objective import Judge, weights_of
+from mptune.tune.polish import Polished, Values, polish
+from mptune.tune.result import Relief, Round
+from mptune.tune.space import Choice, Space, space_of
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mptune.arrays import FloatArray
+    from mptune.params.section import Range
+    from mptune.tune.demands import Found
+    from mptune.tune.objective import Figures
+    from mptune.tune.task import Task
+
+_ROUNDS = 8
+_TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved
+_SMALLER = (1.0, 0.5, 0.25)  # of the position gains, tried where no convex start is known
+_BINDING = 2e-3  # of a logarithm
+
+
+@dataclass(frozen=True)
+class Searched:
+    """The outcome of a search.
+
+    Attributes
+    ----------
+    choice
+        The best candidate; where infeasible, the nearest to the requirements.
+    feasible, converged
+        Whether every requirement is met over the whole family, and the last polish was stationary.
+    worst
+        Each requirement's worst over the whole family.
+    """
+
+    choice: Choice
+    feasible: bool
+    converged: bool
+    worst: tuple[Found, ...]
+    binding: tuple[str, ...]
+    rounds: tuple[Round, ...]
+    evaluations: int
+
+
+def nothing(choice: Choice) -> Searched:
+    """Return the outcome where nothing was searched."""
+    return Searched(
+        choice, feasible=False, converged=False, worst=(), binding=(), rounds=(), evaluations=0
+    )
+
+
+class Search:
+    """One structure's search within one task.
+
+    Parameters
+    ----------
+    task
+        The task.
+    judge
+        Its figures of merit.
+    before
+        The figures that the objective is relative to.
+    largest_velocity_gain
+        The largest K_P,vel that meets Eq. 17's requirement [N s/m].
+    structure
+        One of ``mptune.tune.space.STRUCTURES``.
+    extra
+        Bounds that replace the study's.
+    """
+
+    def __init__(
+        self,
+        task: Task,
+        judge: Judge,
+        before: Figures,
+        largest_velocity_gain: float,
+        structure: str = "eq22",
+        extra: dict[str, Range] | None = None,
+    ) -> None:
+        self._task, self._judge, self._before = task, judge, before
+        self._space = space_of(task, largest_velocity_gain, structure, extra)
+        self._start = task.start._replace(k_p_vel=largest_velocity_gain)
+        self._demands = Demands(task, self._start)
+        self._weights = weights_of(task.study.study.objective)
+        self._kept: dict[str, float] = {}  # earlier objectives and the most that they may become
+        self._evaluations = 0
+
+    @property
+    def space(self) -> Space:
+        """What is free."""
+        return self._space
+
+    def run(
+        self,
+        first: Choice | None = None,
+        progress: Callable[[float], None] = lambda _share: None,
+    ) -> Searched:
+        """Return the best candidate for the study's objective, then for those after it."""
+        found = self._improve(self._starts(first), progress)
+        objective = self._task.study.study.objective
+        for kind in objective.then:
+            if not found.feasible:
+                break
+            last = next(iter(self._weights))
+            value = self._value(found.choice, last)
+            self._kept[last] = value * (1 + objective.keep)
+            self._weights = {kind: 1.0}
+            found = self._improve([self._space.point(found.choice)], progress)
+        return found
+
+    def reliefs(self, found: Searched) -> tuple[Relief, ...]:
+        """Return how far each requirement would have to give, on the plants that bind."""
+        names = np.array(self._names())
+        reliefs = []
+        for name in dict.fromkeys(names.tolist()):
+            mask = names == name
+            outcome = self._polish(self._space.point(found.choice), mask)
+            excesses = outcome.values.excesses
+            met = excesses[~mask].max(initial=-1.0) <= 1e-5
+            factor = float(np.exp(max(excesses[mask].max(), 0.0))) if met else np.nan
+            reliefs.append(Relief(name, factor))
+        return tuple(reliefs)
+
+    def _improve(self, starts: list[FloatArray], progress: Callable[[float], None]) -> Searched:
+        outcomes = []
+        for n, start in enumerate(starts):
+            outcomes.append(self._polish(start))
+            progress(0.8 * (n + 1) / len(starts))
+        best = min(outcomes, key=_rank)
+        rounds: list[Round] = []
+        for _ in range(_ROUNDS):
+            choice = self._space.choice(best.point)
+            worst, more = self._demands.grow(choice.gains)
+            _, slower = self._judge.grow(choice, tuple(self._weights))
+            largest = max(one.excess for one in worst)
+            plants = self._demands.plants + self._judge.plants
+            rounds.append(Round(best.values.cost, float(np.exp(largest)), plants))
+            if not (more or slower):
+                break
+            best = self._polish(best.point)
+        progress(1.0)
+        choice = self._space.choice(best.point)
+        return Searched(
+            choice=choice,
+            feasible=best.values.feasible and largest <= 1e-5,
+            converged=best.converged,
+            worst=worst,
+            binding=self._binding(best),
+            rounds=tuple(rounds),
+            evaluations=self._evaluations,
+        )
+
+    def _starts(self, first: Choice | None) -> list[FloatArray]:
+        """Return points to polish: the given or the study's own, and the convex core's."""
+        own = first or Choice(self._start, self._task.study.study.feedforward)
+        if first is not None:
+            return [self._space.point(own)]
+        if self._space.structure != "eq22":
+            return [self._scaled(own, share) for share in _SMALLER]
+        limits = self._space.limits()
+        core = Core(self._task, self._start, self._task.corners(), limits)
+        low, high = np.log(limits["tau"])
+        kind = max(self._weights, key=lambda kind: self._weights[kind])
+        points = [self._space.point(own)]
+        for share in _TAU_SHARES[: 1 if low == high else None]:
+            _, gains = core.shaped(float(np.exp(low + share * (high - low))), kind)
+            points.append(self._space.point(own._replace(gains=gains)))
+        return points
+
+    def _scaled(self, choice: Choice, share: float) -> FloatArray:
+        gains = choice.gains
+        smaller = gains._replace(k_p_pos=share * gains.k_p_pos, k_i_pos=share**2 * gains.k_i_pos)
+        return self._space.point(choice._replace(gains=smaller))
+
+    def _polish(self, start: FloatArray, relieved: np.ndarray | None = None) -> Polished:
+        found = polish(self._evaluate, start, self._space.low, self._space.high, relieved)
+        self._evaluations += found.evaluations
+        return found
+
+    def _evaluate(self, point: FloatArray) -> Values:
+        choice = self._space.choice(point)
+        peaks = np.zeros(0)
+        if "tracking" in self._weights:
+            share = self._weights["tracking"] / self._before.tracking
+            peaks = share * self._judge.tracking_peaks(choice).ravel()
+        smooth = sum(
+            weight * self._value(choice, kind) / self._base(kind)
+            for kind, weight in self._weights.items()
+            if kind != "tracking"
+        )
+        kept = [
+            np.log(np.atleast_1d(self._values(choice, kind)).ravel() / most)
+            for kind, most in self._kept.items()
+        ]
+        return Values(
+            peaks, float(smooth), np.concatenate([self._demands.excesses(choice.gains), *kept])
+        )
+
+    def _names(self) -> list[str]:
+        """Return the name behind each excess."""
+        names = [*self._demands.names]
+        for kind in self._kept:
+            count = np.size(self._values(self._space.choice(self._space.low), kind))
+            names += [f"objective {kind}"] * count
+        return names
+
+    def _values(self, choice: Choice, kind: str) -> FloatArray:
+        """Return what is to be small of one kind of objective."""
+        if kind == "tracking":
+            return self._judge.tracking_peaks(choice)
+        if kind == "load-step":
+            return self._judge.load_peaks(choice.gains)
+        value = choice.gains.k_i_pos if kind == "disturbance" else None
+        return np.array([1 / (value or self._judge.bandwidth(choice.gains))])
+
+    def _value(self, choice: Choice, kind: str) -> float:
+        return float(self._values(choice, kind).max())
+
+    def _base(self, kind: str) -> float:
+        """Return the study's own gains' value of one kind of objective."""
+        before = self._before
+        return {
+            "tracking": before.tracking,
+            "disturbance": 1 / max(before.integral_gain, 1e-9),
+            "load-step": before.load_step,
+            "bandwidth": 1 / before.bandwidth,
+        }[kind]
+
+    def _binding(self, best: Polished) -> tuple[str, ...]:
+        """Return the requirements and bounds that a point lies at."""
+        names = np.array(self._names())
+        at = names[best.values.excesses > -_BINDING].tolist()
+        space = self._space
+        for name, value, low, high in zip(
+            space.names, best.point, space.low, space.high, strict=True
+        ):
+            if value - low < 1e-4:
+                at.append(f"{name} ≥")
+            if high - value < 1e-4:
+                at.append(f"{name} ≤")
+        return tuple(dict.fromkeys(at))
+
+
+def _rank(outcome: Polished) -> tuple[float, float]:
+    """Return what makes one outcome better than another: requirements first."""
+    over = float(outcome.values.excesses.max(initial=-1.0))
+    return (0.0 if outcome.values.feasible else over, outcome.values.cost)
