@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from copy import copy
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
@@ -13,7 +12,8 @@ from mptune.tune.program import Rows
 
 if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray, IntArray
-    from mptune.tune.problem import Loops, Problem
+    from mptune.tune.problem import Loops, Peak, Problem
+    from mptune.tune.structure import Structure
 
 GUARD = 0.02  # of its distance from −1 that no loop may lose in a step, seen from where it was
 IN_HAND = 1e-5  # of every bound, for the solver's tolerance and what refinement leaves open
@@ -43,36 +43,45 @@ class _Sampled:
 class Board:
     """All loops at work, on grids that grow where peaks want to be seen."""
 
-    def __init__(self, problem: Problem) -> None:
-        self._structure = problem.structure
-        self.peaks = {peak.name: peak for peak in problem.peaks}
-        weighted = problem.objective
-        self._weighted = weighted if isinstance(weighted, WeightedSensitivity) else None
-        self._sampled = {
-            name: _Sampled(one, self._structure.response(one.omega), self._bounds(name, one.omega))
-            for name, one in problem.loops.items()
-        }
+    def __init__(
+        self,
+        structure: Structure,
+        peaks: dict[str, Peak],
+        weighted: WeightedSensitivity | None,
+        sampled: dict[str, _Sampled],
+    ) -> None:
+        self._structure, self.peaks, self._weighted = structure, peaks, weighted
+        self._sampled = sampled
+
+    @classmethod
+    def of(cls, problem: Problem) -> Board:
+        """Return a board of all loops of a problem."""
+        objective = problem.objective
+        weighted = objective if isinstance(objective, WeightedSensitivity) else None
+        board = cls(problem.structure, {peak.name: peak for peak in problem.peaks}, weighted, {})
+        for name, one in problem.loops.items():
+            basis = problem.structure.response(one.omega)
+            board._sampled[name] = _Sampled(one, basis, board._bounds(name, one.omega))
+        return board
 
     def picked(self, rows: dict[str, IntArray]) -> Board:
         """Return a board of some plants of each set of loops."""
-        found = copy(self)
-        found._sampled = {  # noqa: SLF001 - of the same class
+        sampled = {
             name: replace(one, loops=one.loops.picked(rows[name]))
             for name, one in self._sampled.items()
         }
-        return found
+        return Board(self._structure, self.peaks, self._weighted, sampled)
 
     def without(self, name: str) -> Board:
         """Return a board without one requirement."""
-        found = copy(self)
-        found.peaks = {key: peak for key, peak in self.peaks.items() if key != name}
-        found._sampled = {  # noqa: SLF001 - of the same class
+        peaks = {key: peak for key, peak in self.peaks.items() if key != name}
+        sampled = {
             loops: replace(
                 one, inverse={key: curve for key, curve in one.inverse.items() if key != name}
             )
             for loops, one in self._sampled.items()
         }
-        return found
+        return Board(self._structure, peaks, self._weighted, sampled)
 
     def _bounds(self, name: str, omega: FloatArray) -> dict[str, FloatArray]:
         """Return the inverse of every bound on some loops, and the objective's weight."""

@@ -12,7 +12,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -95,7 +95,7 @@ def design(
     maximise
         The parameter to make largest; else give ``sensitivity_weight``.
     sensitivity_weight
-        w(ω) whose largest product with |S| over nominal plant and family is to be made small.
+        w(ω) whose largest product with the nominal |S| is to be made small.
     sensitivity_peak, complementary_peak
         Largest M_S and M_T of the nominal plant and of every plant of the family; a number or a
         function of ω.
@@ -215,12 +215,10 @@ def _bounded(
 
 
 def _objective(structure: Structure, maximise: str | None, weight: Curve | None) -> Objective:
-    if (maximise is None) == (weight is None):
-        rule = "needs exactly one objective"
-        _refuse("design", rule, "give either `maximise` or `sensitivity_weight`")
-    if weight is not None:
+    if weight is not None and maximise is None:
         return WeightedSensitivity(weight, NOMINAL)
-    assert maximise is not None  # noqa: S101
+    if maximise is None or weight is not None:
+        _refuse("objective", "is not exactly one", "give `maximise` or `sensitivity_weight`")
     return Maximise(np.eye(len(structure.names))[structure.index(maximise)])
 
 
@@ -246,5 +244,5 @@ def _first(structure: Structure, start: Mapping[str, float] | None) -> FloatArra
     return np.array([float(start[name]) for name in structure.names])
 
 
-def _refuse(key: str, rule: str, remedy: str) -> None:
+def _refuse(key: str, rule: str, remedy: str) -> NoReturn:
     raise InputError("design", Fault(key, "", rule, remedy))

@@ -21,7 +21,7 @@ class Picks:
     """A growing set of plants of one problem, by the name of their loops."""
 
     def __init__(self, problem: Problem, start: FloatArray) -> None:
-        self._whole = Board(problem)
+        self._whole = Board.of(problem)
         self._rows = {
             name: np.arange(len(loops) if len(loops) <= _FEW else 1)
             for name, loops in problem.loops.items()

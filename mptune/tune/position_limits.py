@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.tune.problem import Concave, Cone, Linear
+from mptune.tune.curved import Concave, Cone
+from mptune.tune.problem import Linear
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray

@@ -15,9 +15,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.arrays import ComplexArray, FloatArray, IntArray
+from mptune.errors import Fault, InputError
+from mptune.tune.curved import Concave, Cone
 
 if TYPE_CHECKING:
     from mptune.tune.structure import Structure
+
+_RESERVED = ("objective", "guard", "stability")
 
 Between = Callable[[FloatArray, IntArray], tuple[ComplexArray, ComplexArray]]
 """Plants and fixed parts ``(n, f)`` of some rows at other frequencies."""
@@ -58,14 +62,11 @@ class Loops:
 
     def picked(self, rows: IntArray) -> Loops:
         """Return some of the loops."""
+        found = replace(self, plant=self.plant[rows], fixed=self.fixed[rows])
         between = self.between
-
-        def inner(omega: FloatArray, which: IntArray) -> tuple[ComplexArray, ComplexArray]:
-            assert between is not None  # noqa: S101
-            return between(omega, rows[which])
-
-        known = None if between is None else inner
-        return replace(self, plant=self.plant[rows], fixed=self.fixed[rows], between=known)
+        if between is None:
+            return found
+        return replace(found, between=lambda omega, which: between(omega, rows[which]))
 
     def refined(self, added: FloatArray) -> Loops:
         """Return the loops with frequencies added to the grid."""
@@ -162,37 +163,6 @@ class Linear:
 
 
 @dataclass(frozen=True)
-class Cone:
-    """The requirement |left·x| ≤ right·x."""
-
-    name: str
-    left: ComplexArray  # (K,)
-    right: FloatArray  # (K,)
-
-
-@dataclass(frozen=True)
-class Concave:
-    """The requirement value(x) ≤ 0 of a concave function, replaced by its tangent, which is safe.
-
-    Attributes
-    ----------
-    name
-        The requirement's name in results.
-    value
-        The function of x.
-    gradient
-        Its gradient, ``(K,)``.
-    size
-        ``(x)``: what a value of it is to be compared with.
-    """
-
-    name: str
-    value: Callable[[FloatArray], float]
-    gradient: Callable[[FloatArray], FloatArray]
-    size: Callable[[FloatArray], float]
-
-
-@dataclass(frozen=True)
 class Maximise:
     """The objective to make coefficients·x large, such as the integral gain."""
 
@@ -235,10 +205,25 @@ class Problem:
     requirements: tuple[Requirement, ...]
     stable: Callable[[FloatArray], bool] = field(repr=False)
 
+    def __post_init__(self) -> None:
+        """Refuse names that stand for two things, and loops that are not there."""
+        named = [one.name for one in (*self.requirements, *self.bounds)] + [*_RESERVED]
+        for name in named:
+            if named.count(name) > 1:
+                fault = Fault(name, "", "names two requirements", "give each a name of its own")
+                raise InputError("problem", fault)
+        looked_at = [peak.loops for peak in self.peaks]
+        if isinstance(self.objective, WeightedSensitivity):
+            looked_at.append(self.objective.loops)
+        for name in looked_at:
+            if name not in self.loops:
+                remedy = f"one of {', '.join(self.loops)}"
+                raise InputError("problem", Fault(name, "", "are no loops of the problem", remedy))
+
     @property
     def names(self) -> set[str]:
         """The names of all requirements, the structure's bounds included."""
-        return {one.name for one in (*self.requirements, *self.linear)}
+        return {one.name for one in (*self.requirements, *self.bounds)}
 
     def without(self, name: str) -> Problem:
         """Return the problem without one requirement, or without one bound of a parameter."""
@@ -278,14 +263,28 @@ class Problem:
     @property
     def linear(self) -> tuple[Linear, ...]:
         """The linear requirements, the structure's bounds included."""
-        found = [one for one in self.requirements if isinstance(one, Linear)]
-        for k, unit in enumerate(np.eye(len(self.structure.names))):
-            name = self.structure.names[k]
-            if np.isfinite(self.structure.high[k]):
-                found.append(Linear(f"{name} ≤", unit, self.structure.high[k]))
-            if np.isfinite(self.structure.low[k]):
-                found.append(Linear(f"{name} ≥", -unit, -self.structure.low[k]))
+        own = tuple(one for one in self.requirements if isinstance(one, Linear))
+        return own + self.bounds
+
+    @property
+    def bounds(self) -> tuple[Linear, ...]:
+        """The structure's bounds as requirements, ``"k_p ≥"`` and ``"k_p ≤"``."""
+        structure, found = self.structure, []
+        for k, unit in enumerate(np.eye(len(structure.names))):
+            if np.isfinite(structure.high[k]):
+                found.append(Linear(f"{structure.names[k]} ≤", unit, structure.high[k]))
+            if np.isfinite(structure.low[k]):
+                found.append(Linear(f"{structure.names[k]} ≥", -unit, -structure.low[k]))
         return tuple(found)
+
+
+def sampled_curve(omega: FloatArray, values: FloatArray) -> Curve:
+    """Return a bound given at some frequencies ``(F,)``, all above 0, as a curve.
+
+    Logarithms are interpolated, which is optimistic for a bound that dips between its points.
+    """
+    grid, logarithms = np.log(omega), np.log(values)
+    return lambda wanted: np.exp(np.interp(np.log(wanted), grid, logarithms))
 
 
 def curve_at(curve: Curve, omega: FloatArray) -> FloatArray:

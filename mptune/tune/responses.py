@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
@@ -24,31 +24,22 @@ _AT_ORIGIN = 1e-9  # |s| of a pole that counts as an integrator, relative to the
 
 @dataclass(frozen=True)
 class Response:
-    """One plant: values on a grid, or a function of s for any frequency.
+    """One plant.
 
     Attributes
     ----------
-    function
-        P(s) for s ``(F,)``; None for sampled responses.
-    omega, values
-        The samples; None for functions.
+    at
+        P(jω) ``(F,)`` for ω ``(F,)`` [rad/s]; a sampled plant knows its own frequencies only.
+    omega
+        Those frequencies; None where any will do.
     integrators, unstable_poles
         Poles at the origin and in the right half plane, where the plant's object knows them.
     """
 
-    function: Callable[[ComplexArray], Any] | None
+    at: Callable[[FloatArray], ComplexArray]
     omega: FloatArray | None
-    values: ComplexArray | None
     integrators: int | None
     unstable_poles: int | None
-
-    def at(self, omega: FloatArray) -> ComplexArray:
-        """Return P(jω), ``(F,)``."""
-        if self.function is None:
-            assert self.values is not None  # noqa: S101
-            return self.values
-        found = np.asarray(self.function(np.asarray(1j * omega, np.complex128)), np.complex128)
-        return np.broadcast_to(found.reshape(-1), omega.shape)
 
 
 def response_of(plant: Any, omega: FloatArray | None, name: str) -> Response:
@@ -67,8 +58,7 @@ def response_of(plant: Any, omega: FloatArray | None, name: str) -> Response:
     """
     _refuse_sampled_time(plant, name)
     if callable(plant) and getattr(plant, "omega", None) is None:
-        integrators, unstable = _poles(plant)
-        return Response(plant, None, None, integrators, unstable)
+        return Response(_along_axis(plant), None, *_poles(plant))
     if callable(plant):
         grid = np.asarray(plant.omega, np.float64)
         values = np.asarray(plant(1j * grid), np.complex128).reshape(-1)
@@ -83,10 +73,18 @@ def response_of(plant: Any, omega: FloatArray | None, name: str) -> Response:
         _refuse(name, "has frequencies that do not rise from above 0", "sort them, in rad/s")
     if not np.all(np.isfinite(values)):
         _refuse(name, "has values that are not finite", "leave those frequencies out")
-    return Response(None, grid, values, None, None)
+    return Response(lambda _omega: values, grid, None, None)
 
 
-def _refuse(name: str, rule: str, remedy: str) -> None:
+def _along_axis(plant: Callable[[ComplexArray], Any]) -> Callable[[FloatArray], ComplexArray]:
+    def at(omega: FloatArray) -> ComplexArray:
+        found = np.asarray(plant(np.asarray(1j * omega, np.complex128)), np.complex128)
+        return np.broadcast_to(found.reshape(-1), omega.shape)
+
+    return at
+
+
+def _refuse(name: str, rule: str, remedy: str) -> NoReturn:
     raise InputError("design", Fault(name, "", rule, remedy))
 
 
@@ -128,7 +126,7 @@ def own_range(plant: Response, name: str) -> FloatArray:
 
 def between(plants: Sequence[Response]) -> Between | None:
     """Return the plants' values at any frequency, None where some are sampled."""
-    if any(plant.function is None for plant in plants):
+    if any(plant.omega is not None for plant in plants):
         return None
 
     def values(omega: FloatArray, rows: IntArray) -> tuple[ComplexArray, ComplexArray]:

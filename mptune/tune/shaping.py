@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import islice
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -101,17 +102,16 @@ def shape_loop(problem: Problem, start: FloatArray | None = None) -> Shaped:
         be brought to 1 from any of a few starts.
     """
     given = None if start is None else np.asarray(start, np.float64)
-    starts = stabilising_starts(problem, given, _STARTS)
-    if not starts:
-        return _nothing(problem, given)
-    replaced = given is not None and not np.array_equal(starts[0], given)
     attempts = []
-    for first in starts:
+    for first in islice(stabilising_starts(problem, given), _STARTS):
+        replaced = given is not None and not np.array_equal(first, given)
         attempt = _Shaping(problem, first, replaced=replaced)
         outcome = attempt.shaped()
         if outcome.status is not Status.INFEASIBLE:
             return outcome
         attempts.append((outcome, attempt))
+    if not attempts:
+        return _nothing(problem, given)
     outcome, attempt = min(attempts, key=lambda pair: max(use.quotient for use in pair[0].uses))
     return replace(outcome, reliefs=attempt.reliefs())
 

@@ -18,20 +18,14 @@ _GAIN = 0.3  # |L| of the proportional part at the frequency tried as crossover
 _SPLITS = (0.1, 0.01)  # of every other part at the same frequency, over the proportional one
 
 
-def stabilising_starts(problem: Problem, start: FloatArray | None, most: int) -> list[FloatArray]:
-    """Return up to ``most`` parameters that stabilise every loop; the given ones first if they do.
+def stabilising_starts(problem: Problem, start: FloatArray | None) -> Iterator[FloatArray]:
+    """Yield parameters that stabilise every loop; the given ones first if they do.
 
     Tried in turn: the given start, the start with smaller gains and still smaller integral gains,
-    and small gains that make |L| equal to 0.3 at one frequency after another, of either sign where
-    the bounds allow it.
+    and gains within the bounds that make |L| equal to 0.3 at one frequency after another, from the
+    highest down, of either sign where the bounds allow it.
     """
-    found: list[FloatArray] = []
-    for candidate in _candidates(problem, start):
-        if problem.stable(candidate):
-            found.append(candidate)
-            if len(found) == most:
-                break
-    return found
+    return (candidate for candidate in _candidates(problem, start) if problem.stable(candidate))
 
 
 def _candidates(problem: Problem, start: FloatArray | None) -> Iterator[FloatArray]:
@@ -55,4 +49,4 @@ def _candidates(problem: Problem, start: FloatArray | None) -> Iterator[FloatArr
             size = _GAIN * split / reach
             size[first] = _GAIN / reach[first]
             for sign in signs:
-                yield sign * size
+                yield np.clip(sign * size, structure.low, structure.high)

@@ -1,7 +1,6 @@
 """The boom's position loop: K_I,pos within Eq. 21 at the published velocity gain and τ."""
 
 import time
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -73,7 +72,7 @@ class Boom:
         k_p, k_i, omega, xi = position_gains(x)
         return LoopGains(self.gains.k_p_vel, k_p, k_i, omega, xi, tau)
 
-    def problem(self, *requirements, tau=6e-3, objective=INTEGRAL):
+    def problem(self, *requirements, tau=6e-3, objective=INTEGRAL, **others):
         def stable(x):
             loops = FamilyLoops(
                 FORCE, nominal_plants(self.nominal), self.share_a, self.gains_at(x, tau), self.path
@@ -83,7 +82,7 @@ class Boom:
         nominal = Loops(self.omega, *self.plant(self.omega, [0]), self.plant)
         ratio = Peak("position_ratio", Function.COMPLEMENTARY, self.allowed, "nominal")
         return Problem(
-            position(tau), {"nominal": nominal}, objective, (ratio, *requirements), stable
+            position(tau), {"nominal": nominal, **others}, objective, (ratio, *requirements), stable
         )
 
     def noise(self, bound):
@@ -152,8 +151,8 @@ def test_m_s_at_f_ref_over_the_true_family(loop):
     family = Loops(loop.omega, *loop.force_loops(loop.omega, rows), loop.force_loops)
     for limit in (4.0, 2.5):
         peak = Peak("sensitivity_peak", Function.SENSITIVITY, limit, "force")
-        problem = loop.problem(peak)
-        found, took = shaped(loop, replace(problem, loops={**problem.loops, "force": family}))
+        problem = loop.problem(peak, force=family)
+        found, took = shaped(loop, problem)
         plant, fixed = loop.force_loops(loop.omega, rows)
         controller = problem.structure.controller(found.parameters, loop.omega)
         worst = np.abs(1 / (1 + fixed + plant * controller)).max()
@@ -194,9 +193,7 @@ def test_one_tau_after_another_with_margins_on_a_handful_of_plants(loop):
     )
     times, values = [], []
     for tau in (5e-3, 6e-3, 8e-3, 10e-3, 14e-3, 20e-3):
-        problem = loop.problem(*peaks, tau=tau)
-        problem = replace(problem, loops={**problem.loops, "force": corners})
-        found, took = shaped(loop, problem)
+        found, took = shaped(loop, loop.problem(*peaks, tau=tau, force=corners))
         assert found.status is Status.OPTIMAL
         times.append(took)
         values.append(found.objective)
