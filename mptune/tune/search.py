@@ -27,6 +27,7 @@ _ROUNDS = 8
 _TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved
 _SMALLER = (1.0, 0.5, 0.25)  # of the position gains, tried where no convex start is known
 _BINDING = 2e-3  # of a logarithm
+_MET = 1e-5  # an excess that counts as none
 
 
 @dataclass(frozen=True)
@@ -126,7 +127,7 @@ class Search:
             mask = names == name
             outcome = self._polish(self._space.point(found.choice), mask)
             excesses = outcome.values.excesses
-            met = excesses[~mask].max(initial=-1.0) <= 1e-5
+            met = excesses[~mask].max(initial=-1.0) <= _MET
             factor = float(np.exp(max(excesses[mask].max(), 0.0))) if met else np.nan
             reliefs.append(Relief(name, factor))
         return tuple(reliefs)
@@ -148,11 +149,15 @@ class Search:
             if not (more or slower):
                 break
             best = self._polish(best.point)
+        feasible = best.values.feasible and largest <= _MET
+        if not feasible:  # the gains nearest to every requirement, whatever the objective
+            best = self._polish(best.point, np.ones(len(best.values.excesses), np.bool_))
+            worst = self._demands.worst(self._space.choice(best.point).gains)
+            feasible = max(one.excess for one in worst) <= _MET
         progress(1.0)
-        choice = self._space.choice(best.point)
         return Searched(
-            choice=choice,
-            feasible=best.values.feasible and largest <= 1e-5,
+            choice=self._space.choice(best.point),
+            feasible=feasible,
             converged=best.converged,
             worst=worst,
             binding=self._binding(best),

@@ -23,6 +23,7 @@ if TYPE_CHECKING:
     from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
     from mptune.robust.result import SweepResult
+    from mptune.tune.objective import Figures
     from mptune.tune.velocity import VelocityGain
 
 
@@ -74,6 +75,10 @@ class Tuner:
     def before(self) -> Choice:
         """The study's own gains and feed-forward."""
         return self._own
+
+    def figures(self, choice: Choice) -> Figures:
+        """Return the figures of merit of a candidate."""
+        return self._judge.figures(choice)
 
     def tuned(
         self,

@@ -1,0 +1,81 @@
+"""Simpler controllers under the same requirements and objective, beside the published gains."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from mptune.robust.sweep import sweep
+from mptune.tune.tuner import Tuner
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mptune.params.controller import Gains
+    from mptune.params.study import ResolvedStudy
+    from mptune.robust.result import SweepResult
+    from mptune.tune.objective import Figures
+    from mptune.tune.result import TuneResult, TuneStatus
+
+SIMPLER = ("p", "pi", "pid")
+LABELS = {
+    "own": "the study's own gains",
+    "p": "P",
+    "pi": "PI",
+    "pid": "PID with filter",
+    "eq22": "Eq. 22",
+}
+
+
+@dataclass(frozen=True)
+class Baseline:
+    """One controller of the comparison.
+
+    Attributes
+    ----------
+    name
+        A key of ``LABELS``.
+    status
+        Of its tuning; None for the study's own gains, which are not tuned.
+    """
+
+    name: str
+    status: TuneStatus | None
+    gains: Gains
+    figures: Figures
+    sweep: SweepResult
+
+    def json(self) -> dict[str, Any]:
+        """Return the controller in SI, units in the keys."""
+        return {
+            "structure": self.name,
+            "status": self.status.value if self.status else None,
+            "gains": self.gains.model_dump(),
+            "satisfied": self.sweep.satisfied,
+            "velocity_worst_ratio": self.sweep.velocity.worst_ratio,
+            "position_worst_ratio": self.sweep.position.worst_ratio,
+            "figures": self.figures.json(),
+        }
+
+
+def baselines(
+    study: ResolvedStudy,
+    tuned: TuneResult,
+    progress: Callable[[float], None] = lambda _share: None,
+) -> tuple[Baseline, ...]:
+    """Return the study's own gains, P, PI and PID tuned alike, and the tuned gains.
+
+    Bounds of gains that a structure does not have are not asked of it.
+    """
+    own = Baseline("own", None, tuned.before, tuned.figures_before, sweep(study))
+    rows, tuner = [own], Tuner(study)
+    for n, name in enumerate(SIMPLER):
+        progress(n / len(SIMPLER))
+        rows.append(_row(tuner.tuned(name)))
+    rows.append(_row(tuned))
+    progress(1.0)
+    return tuple(rows)
+
+
+def _row(result: TuneResult) -> Baseline:
+    return Baseline(result.structure, result.status, result.gains, result.figures, result.sweep)

@@ -1,0 +1,91 @@
+"""Tracking against disturbance rejection: the Pareto front, one point per integral gain."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mptune.params.controller import Gains
+from mptune.params.requirements import Objective
+from mptune.tune.tuner import Tuner
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mptune.params.study import ResolvedStudy
+    from mptune.tune.objective import Figures
+    from mptune.tune.search import Searched
+
+POINTS = 8
+
+
+@dataclass(frozen=True)
+class FrontPoint:
+    """One point: the best tracking at an integral gain, and whether the search converged."""
+
+    gains: Gains
+    figures: Figures
+    converged: bool
+
+
+@dataclass(frozen=True)
+class Front:
+    """The front, integral gains rising, and where the study's own gains lie."""
+
+    points: tuple[FrontPoint, ...]
+    own: Figures
+
+    def json(self) -> list[dict[str, Any]]:
+        """Return the points in SI, units in the keys."""
+        return [
+            {
+                "gains": point.gains.model_dump(),
+                "figures": point.figures.json(),
+                "converged": point.converged,
+            }
+            for point in self.points
+        ]
+
+
+def front(
+    study: ResolvedStudy,
+    count: int = POINTS,
+    progress: Callable[[float], None] = lambda _share: None,
+) -> Front:
+    """Return the least tracking index for each of ``count`` integral gains.
+
+    The gains run from where tracking is best to the largest integral gain that the requirements
+    allow; below the first, both figures would be worse. Each is a local optimum, started from its
+    neighbour. Points that no search could make meet the requirements are left out.
+    """
+    tracking = _for(study, "tracking")
+    tuner = Tuner(tracking)
+    best = tuner.searched()[1]
+    most = Tuner(_for(study, "disturbance")).searched()[1]
+    low, high = best.choice.gains.k_i_pos, most.choice.gains.k_i_pos
+    found, last = [best], best
+    for n, k_i in enumerate(np.linspace(low, high, count)[1:-1]):
+        progress(n / count)
+        at = {"k_i_pos": (float(k_i), float(k_i))}
+        last = tuner.searched(extra=at, first=last.choice)[1]
+        found.append(last)
+    found.append(most)
+    points = [_point(tuner, one) for one in found if one.feasible]
+    progress(1.0)
+    return Front(tuple(points), tuner.figures(tuner.before))
+
+
+def _for(study: ResolvedStudy, kind: str) -> ResolvedStudy:
+    """Return the study with another objective, on the same loop and with the same freedom."""
+    old = study.study.objective
+    freedom = {"tracking_loop": old.tracking_loop, "free_feedforward": old.free_feedforward}
+    objective = Objective.model_validate({"kind": kind, **freedom})
+    inner = study.study.model_copy(update={"objective": objective})
+    return study.model_copy(update={"study": inner})
+
+
+def _point(tuner: Tuner, found: Searched) -> FrontPoint:
+    gains = Gains.model_validate(found.choice.gains._asdict(), context={"si": True})
+    return FrontPoint(gains, tuner.figures(found.choice), found.converged)
