@@ -32,6 +32,7 @@ POINTS = 25 * WINDOWS  # frequencies of the envelope
 _MARGIN_POINTS = 150  # peaks are refined between them
 _IN_HAND = 5 * CONVERGED  # of a ratio, for what the grid does not see
 _GROWN = 1e-3  # of a quotient's logarithm: a plant that is worse by less is not added
+_ROUNDING = 1e-5  # kept in hand of every other limit
 _UNSTABLE = 7.0  # a peak's logarithm where there is no finite one
 
 POSITION, NOISE = "position_ratio", "noise_gain"
@@ -160,7 +161,9 @@ class Demands:
         for name in self._peaks:
             limit = getattr(task.requirements, name)
             frequency = getattr(margins, name.replace("peak", "frequency"))[FORCE]
-            found.append((name, np.log(getattr(margins, name)[FORCE] / limit), frequency))
+            found.append(
+                (name, np.log(getattr(margins, name)[FORCE] / limit) + _ROUNDING, frequency)
+            )
         return found
 
     def _sampled_excesses(
@@ -175,7 +178,7 @@ class Demands:
         found = []
         if "sampled_sensitivity_peak" in self._of_sampled:
             limit = task.requirements.sampled_sensitivity_peak
-            peak = np.log(margins.sensitivity_peak[FORCE] / limit)
+            peak = np.log(margins.sensitivity_peak[FORCE] / limit) + _ROUNDING
             peak = np.where(stable, peak, _UNSTABLE)
             found.append(("sampled_sensitivity_peak", peak, margins.sensitivity_frequency[FORCE]))
         if "gain_margin" in self._of_sampled:
@@ -183,11 +186,12 @@ class Demands:
             # An unstable loop's margin is below 1: the factor that would make it stable.
             factor = np.where(stable, margins.gain_margin[FORCE], margins.gain_reduction[FORCE])
             at = np.where(stable, margins.gain_frequency[FORCE], margins.reduction_frequency[FORCE])
-            found.append(("gain_margin", np.log(limit / np.maximum(factor, 1e-3)), at))
+            over = np.log(limit / np.maximum(factor, 1e-3)) + _ROUNDING
+            found.append(("gain_margin", over, at))
         return found
 
     def _noise_excess(self, gains: LoopGains) -> FloatArray:
         limit = self._task.requirements.noise_gain
         if limit is None:
             return np.zeros(0)
-        return np.log([noise_gain(gains, self._task.filters) / limit])
+        return np.log([noise_gain(gains, self._task.filters) / limit]) + _ROUNDING

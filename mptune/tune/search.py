@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mptune.arrays import FloatArray
+    from mptune.params.controller import Feedforward
     from mptune.params.section import Range
     from mptune.tune.demands import Found
     from mptune.tune.objective import Figures
@@ -167,7 +168,7 @@ class Search:
 
     def _starts(self, first: Choice | None) -> list[FloatArray]:
         """Return points to polish: the given or the study's own, and the convex core's."""
-        own = first or Choice(self._start, self._task.study.study.feedforward)
+        own = first or Choice(self._start, self._matched_feedforward())
         if first is not None:
             return [self._space.point(own)]
         if self._space.structure != "eq22":
@@ -181,6 +182,20 @@ class Search:
             _, gains = core.shaped(float(np.exp(low + share * (high - low))), kind)
             points.append(self._space.point(own._replace(gains=gains)))
         return points
+
+    def _matched_feedforward(self) -> Feedforward:
+        """Return the study's feed-forward, what is free of it matched to the machine.
+
+        The reference is as late as the measured position, and the mass in the middle.
+        """
+        task = self._task
+        matched = {
+            "acceleration_mass": float(np.sqrt(task.plants.mass.min() * task.plants.mass.max())),
+            "reference_lag": task.filters.filter_time,
+            "velocity_reference_lag": 0.0,
+        }
+        free = {name: matched[name] for name in self._space.names if name in matched}
+        return task.study.study.feedforward.model_copy(update=free)
 
     def _scaled(self, choice: Choice, share: float) -> FloatArray:
         gains = choice.gains
