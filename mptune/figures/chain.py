@@ -15,8 +15,8 @@ if TYPE_CHECKING:
 
     from mptune.robust.chain import Link
 
-_ROOM = 1.25  # factor between the outermost bar and the axis' end, where its value is written
-_ENDS = (0.5, 4.0)  # the axis reaches at least so far
+_ROOM = 0.15  # of the bars' span, left at either end for the value written there
+_SPAN = (0.8, 2.5)  # the bars' span is taken to be at least this
 _TICKS = (0.02, 0.05, 0.1, 0.2, 0.5, 1, 1.5, 2, 3, 5, 10, 20, 50)
 _MARGIN: dict[str, Any] = {"color": NOMINAL["color"]}
 _LACK: dict[str, Any] = {"color": "white", "edgecolor": WORST["color"], "hatch": "////"}
@@ -41,6 +41,7 @@ def gain_chain(links: tuple[Link, ...]) -> Figure:
         axes.set_yticks(range(len(links)), [link.name for link in links])
         axes.set_ylim(len(links) - 0.5, -0.5)  # the first link on top
         axes.grid(visible=False, axis="y")
+        axes.set_axisbelow(True)
         axes.tick_params(axis="y", length=0)
     return figure
 
@@ -48,8 +49,9 @@ def gain_chain(links: tuple[Link, ...]) -> Figure:
 def _ends(links: tuple[Link, ...]) -> tuple[float, float]:
     """Return the ends of the axis, wide enough for every bar and its value."""
     finite = [link.factor for link in links if np.isfinite(link.factor)]
-    low, high = min([*finite, _ENDS[0] * _ROOM]), max([*finite, _ENDS[1] / _ROOM])
-    return low / _ROOM, high * _ROOM
+    low, high = min([*finite, _SPAN[0]]), max([*finite, _SPAN[1]])
+    room = (high / low) ** _ROOM
+    return low / room, high * room
 
 
 def _bar(axes: Axes, row: int, link: Link, end: float) -> None:

@@ -41,7 +41,7 @@ def test_json_of_a_sweep_holds_the_chain(sweep):
 
 
 def test_what_cannot_be_told_is_null_in_json_and_words_in_print(sweep):
-    mass = ("--set", 'uncertainty.sets.section-5-1.mass=["11 t", "300 t"]')
+    mass = ("--set", 'uncertainty.sets.section-5-1.mass=["11 t", "250 t"]')
     _, out = sweep("--json", *mass)
     assert json.loads(out)["chain"][-1]["gain_factor"] is None
     assert "cannot be told" in sweep(*mass)[1]

@@ -60,27 +60,27 @@ class Simulation:
         # forces that are on their way, newest first | plant | last position | filtered | controller
         self.size = (self.whole + 1) + 4 + 1 + 6 + 3
         self.exponentials = {}
-        units = np.eye(self.size + 1)
-        columns = [self._step(unit[:-1], unit[-1]) for unit in units]
-        self.f, self.g = np.array(columns[:-1]).T, columns[-1]
-        self.c = np.array([self._measured(unit[:-1]) for unit in units[:-1]])
+        units = np.eye(self.size + 1)  # each column a state and a force
+        columns = self._step(units[:-1], units[-1])
+        self.f, self.g = columns[:, :-1], columns[:, -1]
+        self.c = self._measured(np.eye(self.size))
 
-    def _parts(self, state):
-        return np.split(state, np.cumsum([self.whole + 1, 4, 1, 6]))
+    def _parts(self, states):
+        return np.split(states, np.cumsum([self.whole + 1, 4, 1, 6]))
 
-    def _measured(self, state):
+    def _measured(self, states):
         """Return K_P,vel (velocity + G_P position), as the controller reads both."""
-        *_, filtered, law = self._parts(state)
+        *_, filtered, law = self._parts(states)
         velocity = np.dot([5, 3, 1, -1, -3, -5], filtered) / (35 * self.path.sample_time)  # Eq. 23
         _, _, c, d = self.law
         return self.k_p_vel * (velocity + (c @ law)[0] + d[0, 0] * filtered[0])
 
-    def _step(self, state, force):
-        """Return the state one period later; ``force`` is decided now."""
-        ahead, plant, last, filtered, law = (part.copy() for part in self._parts(state))
+    def _step(self, states, force):
+        """Return the states, one per column, one period later; ``force`` is decided now."""
+        ahead, plant, last, filtered, law = (part.copy() for part in self._parts(states))
         a, b, *_ = self.law
-        law = a @ law + b[:, 0] * filtered[0]
-        ahead = np.concatenate([[force], ahead])
+        law = a @ law + b * filtered[0]
+        ahead = np.vstack([force, ahead])
         before, after = ahead[-1], ahead[-2]
         fast, pole = self.path.sample_time, self.path.filter_pole
         last[0] = plant[3]
@@ -89,9 +89,9 @@ class Simulation:
             border = min(max(self.arrives, low), high)
             plant = self._advance(plant, before, border - low)
             plant = self._advance(plant, after, high - border)
-            filtered = np.concatenate([[pole * filtered[0] + (1 - pole) * last[0]], filtered[:-1]])
+            filtered = np.vstack([pole * filtered[0] + (1 - pole) * last[0], filtered[:-1]])
             last[0] = plant[3]
-        return np.concatenate([ahead[:-1], plant, last, filtered, law])
+        return np.vstack([ahead[:-1], plant, last, filtered, law])
 
     def _advance(self, plant, force, time):
         """Advance side A, side B, velocity and position under a held force."""
@@ -107,7 +107,8 @@ class Simulation:
                     rates[2, 4] += share / self.mass
             rates[3, 2] = 1.0
             self.exponentials[key] = expm(rates * time)
-        return (self.exponentials[key] @ np.append(plant, force))[:4]
+            self.exponentials[key][:2][np.array(self.lags) == 0] = 0.0  # no state of that side
+        return (self.exponentials[key] @ np.vstack([plant, force]))[:4]
 
     @property
     def monodromy(self):
@@ -243,15 +244,16 @@ def limit(grows):
 @pytest.mark.parametrize("name", PLANTS)
 def test_the_stability_limit_is_where_the_simulated_movement_begins_to_grow(name):
     plant, ticks = PLANTS[name], 60_000
+    rest = [1.25, 0.07, 0.0, 0.0, 0.0, 0.0, 0.0]
+    move, plain = np.vstack([quintic(0.07, 1.25), rest]), FeedforwardTuple(0, 0, 0)
 
     def swings(factor):
         gains = GAINS._replace(k_p_vel=factor * GAINS.k_p_vel)
-        move, plain = quintic(0.07, 1.25), FeedforwardTuple(0, 0, 0)
         one = SampledPlant(*plant, SHARE_A)
         reference, position, *_ = run_linear(one, gains, PATH, PERIOD, move, plain, ticks)
         error = np.abs(reference - position)
         early, late = error[20_000:25_000].max(), error[55_000:].max()
-        return not np.isfinite(late) or late > early
+        return not np.isfinite(late) or late > max(early, 1e-9)
 
     def unstable(factor):
         gains = GAINS._replace(k_p_vel=factor * GAINS.k_p_vel)
@@ -265,7 +267,7 @@ def test_the_stability_limit_is_where_the_simulated_movement_begins_to_grow(name
 @pytest.mark.parametrize("name", ["Sec. 5.1's worst", "no lag of side A"])
 def test_sampled_ever_faster_it_tends_to_the_continuous_loop(name):
     mass, delay, tau_a, tau_b = PLANTS[name]
-    omega = np.geomspace(1, 100, 20)
+    omega = np.geomspace(1, 30, 12)
     errors = []
     for period in (0.01, 0.005, 0.0025, 0.00125):
         fast = period / 5
@@ -279,6 +281,6 @@ def test_sampled_ever_faster_it_tends_to_the_continuous_loop(name):
         ]
         errors.append(np.abs(np.array(ratios) - 1).max())
     print(f"{name}:", ", ".join(f"{error:.1e}" for error in errors))
-    assert errors[-1] < 5e-3
+    assert errors[-1] < 1e-4
     quotients = np.array(errors[:-1]) / errors[1:]
-    assert np.all(quotients > 3.5)  # of second order in the sampling period
+    assert np.all(quotients > 3.8)  # of second order in the sampling period

@@ -129,7 +129,7 @@ def test_the_inequalities_promise_no_more_than_the_true_family_keeps(load_boom, 
 
 def test_a_family_that_no_one_factor_makes_stable_has_none(load_boom):
     """A heavy plant needs the gain that a light one does not bear."""
-    overrides = ['uncertainty.sets.section-5-1.mass=["11 t", "300 t"]']
+    overrides = ['uncertainty.sets.section-5-1.mass=["11 t", "250 t"]']
     result = sweep(load_boom(*overrides, uncertainty="section-5-1", corners=True))
     light = result.plants.mass < 100e3
     family = result.family("filters")
