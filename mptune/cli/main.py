@@ -57,7 +57,7 @@ def run(
     quiet: QuietOption = False,
 ) -> None:
     """Do the whole job, from the study file to gains and report."""
-    from mptune.cli import show
+    from mptune.cli import show, show_chain
     from mptune.job.run import run as run_job
     from mptune.params.load import load_study
 
@@ -68,6 +68,9 @@ def run(
         show.as_json(result.json())
     else:
         show.job(result)
+        show_chain.chain(result.chain)
+        show.files(result.files)
+        show.outcome(met=result.satisfied)
     finish(met=result.satisfied)
 
 
@@ -84,7 +87,7 @@ def sweep(
     quiet: QuietOption = False,
 ) -> None:
     """Draw and store both sides of both inequalities over the grid."""
-    from mptune.cli import show
+    from mptune.cli import show, show_chain
     from mptune.job.sweep import sweep_study
     from mptune.params.gains import read_gains
     from mptune.params.load import load_study
@@ -92,11 +95,12 @@ def sweep(
     loaded = load_study(study, override or (), uncertainty)
     chosen = read_gains(gains, loaded.hash()).gains if gains else None
     with show.progress(quiet=quiet) as report:
-        result, files = sweep_study(loaded, chosen, out, report)
+        result, links, files = sweep_study(loaded, chosen, out, report)
     if json:
-        show.as_json(result.json())
+        show.as_json({**result.json(), "chain": [link.json() for link in links]})
     else:
         show.sweep(result)
+        show_chain.chain(links)
         show.files(files)
     finish(met=result.satisfied)
 

@@ -70,17 +70,19 @@ def progress(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
         yield report
 
 
-def _table(title: str) -> Table:
+def new_table(title: str) -> Table:
+    """Return an empty table in the look of all."""
     return Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
 
 
-def _verdict(text: str, *, good: bool) -> Text:
+def verdict(text: str, *, good: bool) -> Text:
+    """Return a word, green where it is good and red where not."""
     return Text(text, style="green" if good else "bold red")
 
 
 def sweep(result: SweepResult) -> None:
     """Print both conditions, the family's margins and the requirements."""
-    table = _table("Robust stability over the family")
+    table = new_table("Robust stability over the family")
     for heading in ("condition", "left/right", "margin", "worst at", "premises", "verdict"):
         table.add_column(heading)
     for condition in result.conditions:
@@ -91,8 +93,8 @@ def sweep(result: SweepResult) -> None:
             f"{condition.worst_ratio:.4f}",
             f"{condition.margin:.3f}",
             place or place_text(condition.at),
-            _verdict("hold" if premises else "FAIL", good=premises),
-            _verdict(condition.status.value, good=condition.satisfied),
+            verdict("hold" if premises else "FAIL", good=premises),
+            verdict(condition.status.value, good=condition.satisfied),
         )
     console.print(table)
     _margins(result)
@@ -100,7 +102,7 @@ def sweep(result: SweepResult) -> None:
 
 
 def _margins(result: SweepResult) -> None:
-    table, sampled = _table("Worst margins of the true family"), result.sampled
+    table, sampled = new_table("Worst margins of the true family"), result.sampled
     table.add_column("margin")
     for loop in ("velocity", "position", "at F_ref"):
         for path in ("no path", "with path"):
@@ -111,18 +113,18 @@ def _margins(result: SweepResult) -> None:
     table.add_row(
         "unstable plants",
         *(
-            _verdict(str(count), good=count == 0)
+            verdict(str(count), good=count == 0)
             for loop in range(3)
             for family in result.families
             for count in [int((~(family.stable if loop else family.velocity_stable)).sum())]
         ),
-        _verdict(str(sampled.unstable_count), good=sampled.unstable_count == 0) if sampled else "—",
+        verdict(str(sampled.unstable_count), good=sampled.unstable_count == 0) if sampled else "—",
     )
     console.print(table)
 
 
 def _requirements(result: SweepResult) -> None:
-    table = _table("Requirements")
+    table = new_table("Requirements")
     for heading in ("requirement", "limit", "found", "verdict", "where"):
         table.add_column(heading)
     for check in result.checks:
@@ -131,14 +133,14 @@ def _requirements(result: SweepResult) -> None:
             check.name,
             check.limit,
             number(check.found),
-            _verdict(check.status.value, good=good),
+            verdict(check.status.value, good=good),
             place_text(check.at),
         )
     console.print(table)
 
 
 def _gains(gains: Gains, before: Gains) -> None:
-    table = _table("Gains")
+    table = new_table("Gains")
     for heading in ("key", "symbol", "value", "study's own"):
         table.add_column(heading, justify="right" if heading[0] in "vs" else "left")
     for key, unit, symbol, _ in gains.quantities():
@@ -152,7 +154,7 @@ def tuned(result: TuneResult) -> None:
     _gains(result.gains, result.before)
     before, after = result.figures_before, result.figures
     good = result.blocking is None
-    console.print("Status:", _verdict(result.status.value, good=good))
+    console.print("Status:", verdict(result.status.value, good=good))
     console.print(
         f"Tracking index {1e3 * before.tracking:.2f} → {1e3 * after.tracking:.2f} ms, "
         f"K_I,pos {before.integral_gain:.3g} → {after.integral_gain:.3g} 1/s², "
@@ -167,9 +169,9 @@ def tuned(result: TuneResult) -> None:
 
 
 def job(result: JobResult) -> None:
-    """Print a summary of the whole job."""
+    """Print what the whole job found."""
     tuned(result.tuned)
-    table = _table("Linear check: sampled loop with its filters")
+    table = new_table("Linear check: sampled loop with its filters")
     for heading in ("mass", "valve delay", "index, study's own gains", "index, tuned"):
         table.add_column(heading, justify="right")
     for case, before in zip(result.moves, result.moves_before, strict=True):
@@ -179,7 +181,7 @@ def job(result: JobResult) -> None:
             *(
                 f"{one.performance_index_ms:.1f} ms"
                 if one.stable
-                else _verdict("unstable", good=False)
+                else verdict("unstable", good=False)
                 for one in (before, case)
             ),
         )
@@ -188,16 +190,18 @@ def job(result: JobResult) -> None:
         console.print("The nonlinear machine was not run: the controller refuses these margins.")
     else:
         verified(result.verified)
-    files(result.files)
-    met = result.satisfied
+
+
+def outcome(*, met: bool) -> None:
+    """Print the last line of a whole job."""
     console.print(
-        _verdict("Every requirement is met." if met else "Some requirement is not met.", good=met)
+        verdict("Every requirement is met." if met else "Some requirement is not met.", good=met)
     )
 
 
 def verified(result: VerifyResult) -> None:
     """Print each machine's figures and status."""
-    table = _table("The nonlinear machine")
+    table = new_table("The nonlinear machine")
     headings = ("mass", "oil", "seed", "index [ms]", "loss [J/mm]", "∫ΔF² [kN² s]", "final [mm]")
     for heading in (*headings, "converter [mm]", "switches"):
         table.add_column(heading, justify="right")
@@ -213,7 +217,7 @@ def verified(result: VerifyResult) -> None:
             number(case.span("final_error_mm")[1], 2),
             number(case.span("converter_peak_mm")[1], 3),
             number(case.mean("valve_switches"), 4),
-            _verdict(case.status.value, good=case.stable),
+            verdict(case.status.value, good=case.stable),
         )
     console.print(table)
     for case in result.cases:

@@ -7,7 +7,7 @@
     <out>/<study>/sweep.nc      both inequalities and margins, of the final gains
     <out>/<study>/gains.toml    the controller's gains, with verdicts
     <out>/<study>/traces.nc     the nonlinear machine's last movement set, per mass
-    <out>/<study>/*.svg         the figures
+    <out>/<study>/*.svg         the figures, the chain of gain factors among them
 """
 
 from __future__ import annotations
@@ -19,10 +19,12 @@ from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
 from mptune.job.verify import figure_name
 from mptune.params.gains import read_gains, write_gains
+from mptune.robust.chain import chain
 from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep
 from mptune.sim.sampled import linear_moves
 from mptune.tune.tuner import tune
+from mptune.verify.gain_limit import machine_gain_limit
 from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
 
@@ -31,12 +33,13 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from mptune.params.study import ResolvedStudy
+    from mptune.robust.chain import Link
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
     from mptune.tune.result import TuneResult
     from mptune.verify.result import VerifyResult
 
-STAGES = ("sweep", "tune", "linear check", "verify", "figures", "report")
+STAGES = ("sweep", "tune", "linear check", "verify", "chain", "figures", "report")
 
 
 @dataclass(frozen=True)
@@ -54,6 +57,9 @@ class JobResult:
     verified
         The nonlinear machine under the exported gains; None where their margins are not satisfied,
         as the controller then refuses them.
+    chain
+        How far the gain at F_ref may rise with the tuned gains; the nonlinear machine's link comes
+        last, where it was run.
     files
         What was written.
     """
@@ -64,6 +70,7 @@ class JobResult:
     moves: tuple[LinearMove, ...]
     moves_before: tuple[LinearMove, ...]
     verified: VerifyResult | None
+    chain: tuple[Link, ...]
     files: tuple[Path, ...]
 
     @property
@@ -79,6 +86,7 @@ class JobResult:
             "tune": {**self.tuned.json(), "sweep": self.tuned.sweep.json()},
             "linear_check": [moves_json(case) for case in self.moves],
             "verify": self.verified.json() if self.verified else None,
+            "chain": [link.json() for link in self.chain],
             "satisfied": self.satisfied,
             "files": [str(path) for path in self.files],
         }
@@ -137,22 +145,39 @@ def run(
         )
         write_gains(exported, gains_file(tuned.sweep, tuned.feedforward, moves, verified))
         files.append(write_traces(folder / "traces.nc", verified))
+    links = gain_factors(tuned.sweep, verified, lambda share: progress("chain", share))
     progress("figures", 0.0)
-    figures, picture = draw(tuned.sweep, moves, verified)
+    figures, picture = draw(tuned.sweep, moves, verified, links)
     files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
-    result = JobResult(study, published, tuned, moves, moves_before, verified, ())
+    result = JobResult(study, published, tuned, moves, moves_before, verified, links, ())
     progress("report", 0.0)
     files.append(write_whole(out / f"{study.name}.png", picture))
     files.append(_report(out / f"{study.name}.pdf", result, figures))
     progress("report", 1.0)
-    return JobResult(study, published, tuned, moves, moves_before, verified, tuple(files))
+    return JobResult(study, published, tuned, moves, moves_before, verified, links, tuple(files))
+
+
+def gain_factors(
+    swept: SweepResult, verified: VerifyResult | None, progress: Callable[[float], None]
+) -> tuple[Link, ...]:
+    """Return the chain of the swept gains, with the nonlinear machine where it was verified."""
+    progress(0.0)
+    links = chain(swept)
+    if verified is None:
+        return links
+    feedforward = swept.study.study.feedforward
+    return (*links, machine_gain_limit(swept.study, swept.gains, feedforward, progress))
 
 
 def draw(
-    swept: SweepResult, moves: tuple[LinearMove, ...], verified: VerifyResult | None
+    swept: SweepResult,
+    moves: tuple[LinearMove, ...],
+    verified: VerifyResult | None,
+    links: tuple[Link, ...],
 ) -> tuple[dict[str, bytes], bytes]:
     """Return the figures of a run as SVG, by name, and the four panels as PNG."""
     from mptune.figures.bode import bode_plots
+    from mptune.figures.chain import gain_chain
     from mptune.figures.machine import machine_traces
     from mptune.figures.moves import move_traces
     from mptune.figures.panels import four_panels
@@ -162,6 +187,7 @@ def draw(
     figures = {
         "panels": to_svg(panels),
         "bode": to_svg(bode_plots(swept)),
+        "chain": to_svg(gain_chain(links)),
         "moves": to_svg(move_traces(moves)),
     }
     for case in verified.worst_per_mass() if verified else ():
@@ -181,6 +207,7 @@ def _report(path: Path, result: JobResult, figures: dict[str, bytes]) -> Path:
         moves=result.moves,
         moves_before=result.moves_before,
         verified=result.verified,
+        chain=result.chain,
         satisfied=result.satisfied,
     )
     return write_report(path, results, figures)

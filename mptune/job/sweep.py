@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.files import make_folder, write_whole
+from mptune.robust.chain import chain
 from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep
 
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
     from mptune.params.controller import Gains
     from mptune.params.study import ResolvedStudy
+    from mptune.robust.chain import Link
     from mptune.robust.result import SweepResult
 
 
@@ -22,17 +24,23 @@ def sweep_study(
     gains: Gains | None,
     out: Path,
     progress: Callable[[str, float], None] = lambda *_: None,
-) -> tuple[SweepResult, tuple[Path, ...]]:
-    """Sweep one set of gains (the study's own where None), store it and draw its panels."""
+) -> tuple[SweepResult, tuple[Link, ...], tuple[Path, ...]]:
+    """Sweep one set of gains (the study's own where None), store it and draw its panels.
+
+    The linear links of the chain come with it.
+    """
     from mptune.figures.panels import four_panels
     from mptune.figures.style import to_svg
 
     folder = make_folder(out / study.name)
     progress("sweep", 0.0)
     swept = sweep(study, gains)
+    progress("chain", 0.0)
+    links = chain(swept)
     progress("figures", 0.0)
     panels = to_svg(four_panels(swept))
-    return swept, (
+    files = (
         write_sweep(folder / "sweep.nc", swept),
         write_whole(folder / "panels.svg", panels),
     )
+    return swept, links, files

@@ -192,7 +192,9 @@ def characteristic(plant: SampledPlant, gains: LoopGains, period: float) -> Floa
     """Return the closed loop's characteristic polynomial, leading coefficient 1 first.
 
     Read as coefficients of falling powers of z, its roots are those characteristic multipliers
-    over T_S that are not zero; read as rising powers of w, their inverses.
+    over T_S that are not zero; read as rising powers of w, their inverses. Where the position
+    controller has no integral term, or no gain at all, the integrators that it leaves outside the
+    loop are taken out.
     """
     law = discretise(gains, period)
     factor_a, factor_b = plant.factor_a, plant.factor_b
@@ -204,7 +206,18 @@ def characteristic(plant: SampledPlant, gains: LoopGains, period: float) -> Floa
     velocity = _times(_times(plant.velocity, 1.0, law.a1, law.a2), 1.0, -1.0, 0.0)
     shaped = _times(_times(plant.position, law.b0, law.b1, law.b2), 1.0, -1.0, 0.0)
     summed = _times(_times(plant.position, 1.0, law.a1, law.a2), law.integral, law.integral, 0.0)
-    return opened + gains.k_p_vel * (velocity + shaped + summed)  # of (1 + L_F) = 0
+    closed = opened + gains.k_p_vel * (velocity + shaped + summed)  # of (1 + L_F) = 0
+    for _ in range(_outside(gains)):
+        closed = np.cumsum(closed)[:-1]  # over 1 − w
+    return closed
+
+
+@kernel
+def _outside(gains: LoopGains) -> int:
+    """Return how many integrators the loop does not hold: the I-term's, the position's."""
+    if gains.k_i_pos > 0:
+        return 0
+    return 1 if gains.k_p_pos > 0 else 2
 
 
 @parallel_kernel
@@ -213,7 +226,7 @@ def _characteristics(
 ) -> FloatArray:
     hold = period / 2
     count = coefficient_count(plants.delay.max() - hold, path, period)
-    found = np.empty((len(plants.mass), count + 4))
+    found = np.empty((len(plants.mass), count + 4 - _outside(gains)))
     for n in numba.prange(len(plants.mass)):
         plant = sampled_plant(
             plants.mass[n],

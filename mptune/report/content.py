@@ -15,12 +15,14 @@ from mptune.params.paper import (
     MEASURED_LOSS,
 )
 from mptune.params.section import Section
+from mptune.robust.chain import factor_text
 from mptune.robust.result import Check, Status
 from mptune.robust.tables import EQUATIONS, margin_rows, place_text
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
+    from mptune.robust.chain import Link
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
     from mptune.tune.result import TuneResult
@@ -38,6 +40,7 @@ class Results:
     moves: tuple[LinearMove, ...]
     moves_before: tuple[LinearMove, ...]
     verified: VerifyResult | None
+    chain: tuple[Link, ...]
     satisfied: bool
 
 
@@ -60,6 +63,10 @@ def content(results: Results) -> dict[str, Any]:
         "conditions": _conditions(results),
         "margins": [
             {"label": label, "cells": cells} for label, cells in margin_rows(results.sweep)
+        ],
+        "chain": [
+            {"model": link.name, "factor": factor_text(link.factor), "at": place_text(link.at)}
+            for link in results.chain
         ],
         "closed_loop": _closed_loop(results),
         "verified": _verified(results.verified),

@@ -56,7 +56,7 @@ class Link:
         Factor on the gain at F_ref; below 1 where the loop is not stable (or not guaranteed) as it
         is, NaN where it cannot be told.
     at
-        The plant and frequency that limit it; None where no single plant does.
+        The plant and frequency that limit it; None where it is not known.
     """
 
     name: str
@@ -67,6 +67,13 @@ class Link:
         """Return the link, as JSON has it."""
         at = self.at.values() if self.at else None
         return {"model": self.name, "gain_factor": finite(self.factor), "at": at}
+
+
+def factor_text(factor: float) -> str:
+    """Return a factor for print."""
+    if np.isnan(factor):
+        return "cannot be told"
+    return f"above {LARGEST:g}" if np.isinf(factor) else f"{factor:.3f}"
 
 
 def gain_limit(holds: Callable[[float], bool], relative: float = 1e-6) -> float:
@@ -161,15 +168,19 @@ def _inequalities(result: SweepResult, gains: LoopGains) -> Link:
 
 
 def _family_link(name: str, family: Family, stable: Callable[[Plants, float], BoolArray]) -> Link:
-    """Return the smallest gain margin of a family, or the factor that makes all of it stable."""
+    """Return the smallest gain margin of a family, or the factor that makes all of it stable.
+
+    NaN where the plants that are stable as they are would not bear that factor.
+    """
     if family.unstable_count == 0:
         factor, at = family.worst("gain_margin", FORCE)
         return Link(name, factor, at)
     failing = np.flatnonzero(~family.stable)
     plants = Plants(*(np.ascontiguousarray(column[failing]) for column in family.plants))
     factor = gain_limit(lambda factor: bool(stable(plants, factor).all()), 1e-4)
-    if not np.isfinite(factor):
-        return Link(name, factor, None)
+    least = family.margins.gain_reduction[FORCE][family.stable]
+    if not np.isfinite(factor) or (least >= factor).any():
+        return Link(name, float("nan"), None)
     last = np.flatnonzero(~stable(plants, 1.001 * factor))
     at = plant_point(plants, int(last[0]), float("nan")) if len(last) else None
     return Link(name, factor, at)

@@ -39,6 +39,8 @@ def first_grid(low: float, high: float) -> FloatArray:
 def refinement(omega: FloatArray, values: FloatArray, within: float = 0.2) -> FloatArray:
     """Return new frequencies on both sides of every peak that is nearly the highest.
 
+    A level stretch counts as one peak, at its lower end.
+
     Parameters
     ----------
     omega
@@ -54,7 +56,7 @@ def refinement(omega: FloatArray, values: FloatArray, within: float = 0.2) -> Fl
         Three points within each of the two intervals beside each peak.
     """
     padded = np.concatenate([[-np.inf], values, [-np.inf]])
-    peak = (values >= padded[:-2]) & (values >= padded[2:])
+    peak = (values > padded[:-2]) & (values >= padded[2:])
     peak &= values >= (1 - within) * values.max()
     index = np.flatnonzero(peak)
     low = omega[np.maximum(index - 1, 0)]

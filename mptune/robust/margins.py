@@ -226,7 +226,9 @@ def _highest_peak(
     height, at = size[top], omega[top]
     floor = _NEARLY * height
     for f in range(last + 1):
-        if size[f] < floor or size[f] < size[max(f - 1, 0)] or size[f] < size[min(f + 1, last)]:
+        if size[f] < floor or size[f] < size[min(f + 1, last)]:
+            continue
+        if f > 0 and size[f] <= size[f - 1]:  # falling, or within a level stretch
             continue
         place = _peak(
             kind, which, omega[max(f - 1, 0)], omega[min(f + 1, last)], plant, gains, path

@@ -113,8 +113,9 @@ def test_run_does_the_whole_job(cli, tmp_path):
     written = {path.name for path in (tmp_path / "out").rglob("*") if path.is_file()}
     assert written == {
         "boom.pdf", "boom.png", "sweep.nc", "gains.toml", "panels.svg", "bode.svg", "moves.svg",
-        "traces.nc", "machine-24.5t.svg", "machine-49t.svg",
+        "traces.nc", "machine-24.5t.svg", "machine-49t.svg", "chain.svg",
     }  # fmt: skip
+    assert "nonlinear machine" in out[out.index("How far the gain at F_ref may rise") :]
     assert "Every requirement is met." in out
 
 

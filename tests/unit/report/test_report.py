@@ -9,6 +9,7 @@ import pytest
 from mptune.job.run import run
 from mptune.report.content import Results
 from mptune.report.pdf import write_report
+from mptune.robust.chain import factor_text
 from mptune.units import shown
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
@@ -39,6 +40,7 @@ def results_of(job, **changes):
         "moves": job.moves,
         "moves_before": job.moves_before,
         "verified": job.verified,
+        "chain": job.chain,
         "satisfied": job.satisfied,
     }
     return Results(**{**values, **changes})
@@ -55,6 +57,14 @@ def test_text_holds_verdict_gains_and_sources(job):
         assert shown(getattr(job.tuned.gains, key), unit) in text
     assert "published: Table 2" in text
     assert "Where this differs from the paper" in text
+
+
+def test_the_chain_is_in_the_report_with_every_factor(job):
+    assert job.chain[-1].name == "nonlinear machine"
+    text = " ".join(text_of(pdf_of(job)).split())
+    after = text[text.index("How far the gain at") :]
+    for link in job.chain:
+        assert f"{link.name} {factor_text(link.factor)}" in after
 
 
 def test_pdf_is_small(job):

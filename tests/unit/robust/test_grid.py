@@ -58,6 +58,19 @@ def test_a_second_peak_that_is_nearly_as_high_is_refined_too():
     assert np.any((new > 5) & (new < 7))
 
 
+def test_a_level_curve_is_not_refined_everywhere():
+    omega = np.geomspace(0.1, 1000, 400)
+    assert len(refinement(omega, np.zeros(400))) <= 6
+    level = np.where(np.abs(np.arange(400) - 200) < 50, 1.0, 0.5)
+    assert len(refinement(omega, level)) <= 6
+
+
+def test_a_peak_between_two_equal_values_is_refined():
+    omega = np.arange(1.0, 10.0)
+    new = refinement(omega, np.array([0, 1, 2, 5, 5, 2, 1, 0, 0.0]))
+    assert np.any((new > 4) & (new < 5))
+
+
 @pytest.mark.parametrize("end", [0, 8])
 def test_a_peak_at_an_end_of_the_grid_is_refined_inwards(end):
     omega = np.arange(1.0, 10.0)

@@ -101,6 +101,7 @@ def test_a_position_controller_without_gain_has_no_error_to_bound(load_boom):
     assert result.position.worst_ratio == 0
     assert result.position.margin == np.inf
     assert result.velocity.worst_ratio == pytest.approx(0.641, abs=0.001)
+    assert len(result.omega) < 3000  # a level curve is not refined everywhere
 
 
 def test_a_family_of_the_nominal_plant_alone_has_endless_margins(load_boom):

@@ -1,0 +1,199 @@
+"""Margins of the sampled loop, and the requirements that rest on it and on the noise gain."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from hypothesis import assume, given
+from hypothesis import strategies as st
+
+from mptune.errors import InputError
+from mptune.loops.broken import FORCE
+from mptune.loops.sampled import (
+    coefficient_count,
+    multipliers,
+    sampled_loop,
+    sampled_plant,
+    stable_as_sampled,
+)
+from mptune.params.load import load_study
+from mptune.params.pack import LoopGains, MeasurementPath, Plants
+from mptune.robust.grid import first_grid
+from mptune.robust.margins import sampled_margins
+from mptune.robust.result import Status
+from mptune.robust.sweep import sweep
+
+PERIOD, FAST, SHARE_A = 0.01, 0.0005, 4 / 7
+PATH = MeasurementPath(FAST, float(np.exp(-FAST / 0.012)), 0.012)
+GAINS = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)
+GRID = first_grid(0.05, 2000.0)
+DENSE = np.concatenate([np.geomspace(0.05, 20, 2000), np.linspace(20, np.pi / PERIOD, 12000)])
+
+PLANTS = {
+    "Sec. 5.1's worst": (24500.0, 0.014, 0.0122, 0.0119),
+    "heavy": (49000.0, 0.0123, 0.003, 0.0101),
+    "the hold alone": (24500.0, 0.005, 0.0, 0.0),
+    "late": (49000.0, 0.0215, 0.0, 0.0119),
+}
+
+
+def family(plant):
+    return Plants(*(np.array([value]) for value in plant))
+
+
+def margins_of(plant, gains=GAINS):
+    found = sampled_margins(GRID, family(plant), SHARE_A, gains, PATH, PERIOD)
+    return {name: float(getattr(found, name)[FORCE, 0]) for name in found._fields}
+
+
+def dense_loop(plant, gains=GAINS):
+    mass, delay, tau_a, tau_b = plant
+    late = delay - PERIOD / 2
+    count = coefficient_count(late, PATH, PERIOD)
+    one = sampled_plant(mass, late, tau_a, tau_b, SHARE_A, PATH, PERIOD, count)
+    return np.array([sampled_loop(1j * omega, one, gains, PERIOD) for omega in DENSE])
+
+
+@pytest.mark.compiled
+@pytest.mark.parametrize("name", PLANTS)
+def test_margins_are_those_of_a_dense_grid(name):
+    margins, loop = margins_of(PLANTS[name]), dense_loop(PLANTS[name])
+    peak, other = np.abs(1 / (1 + loop)).max(), np.abs(loop / (1 + loop)).max()
+    crossing = (np.diff(np.sign(loop.imag)) != 0) & (loop[1:].real < 0)
+    factors = -1 / loop[1:][crossing].real
+    least = factors[factors > 1].min()
+    print(
+        f"{name}: M_S {margins['sensitivity_peak']:.5f}, dense {peak:.5f}; "
+        f"gain margin {margins['gain_margin']:.5f}, dense {least:.5f}"
+    )
+    assert margins["sensitivity_peak"] == pytest.approx(peak, rel=1e-5)
+    assert margins["sensitivity_peak"] >= peak * (1 - 1e-12)
+    assert margins["complementary_peak"] == pytest.approx(other, rel=1e-5)
+    assert margins["gain_margin"] == pytest.approx(least, rel=2e-3)
+    assert 1 / margins["disk_margin"] == pytest.approx(
+        np.abs((1 - loop) / (1 + loop)).max() / 2, rel=1e-5
+    )
+    assert np.isnan(margins["delay_margin"])
+
+
+def radius(plant, gains):
+    return np.abs(multipliers(family(plant), SHARE_A, gains, PATH, PERIOD)).max()
+
+
+@given(
+    plant=st.tuples(
+        st.floats(8e3, 1e5), st.floats(0.005, 0.03), st.floats(0.0, 0.015), st.floats(0.0, 0.015)
+    ),
+    gains=st.builds(
+        LoopGains,
+        st.floats(5e4, 1.2e6),
+        st.floats(2.0, 30.0),
+        st.floats(1.0, 60.0),
+        st.floats(20.0, 100.0),
+        st.floats(0.2, 1.5),
+        st.floats(0.002, 0.03),
+    ),
+)
+def test_at_the_gain_margin_a_multiplier_lies_on_the_circle(plant, gains):
+    """And between the reduction and the margin the loop stays stable."""
+    assume(stable_as_sampled(family(plant), SHARE_A, gains, PATH, PERIOD)[0][0])
+    margins = margins_of(plant, gains)
+    for name in ("gain_margin", "gain_reduction"):
+        factor = margins[name]
+        if not 0 < factor < np.inf:
+            continue
+        scaled = gains._replace(k_p_vel=factor * gains.k_p_vel)
+        assert radius(plant, scaled) == pytest.approx(1, abs=1e-7)
+    for share in (0.02, 0.5, 0.98):
+        inner = margins["gain_reduction"] ** (1 - share) * margins["gain_margin"] ** share
+        if 0 < inner < np.inf:
+            assert radius(plant, gains._replace(k_p_vel=inner * gains.k_p_vel)) < 1
+
+
+def check_of(result, name):
+    (check,) = [check for check in result.checks if check.name == name]
+    return check
+
+
+def found_with(load_boom, name, **options):
+    """Return what the published gains have."""
+    limit = "1 N/m" if name == "noise_gain" else "50"
+    return check_of(sweep(load_boom(f"requirements.{name}={limit}", **options)), name).found
+
+
+NEW = ["gain_margin", "sampled_sensitivity_peak", "noise_gain"]
+
+
+@pytest.mark.parametrize("name", NEW)
+def test_a_limit_is_met_on_one_side_of_what_is_found_and_violated_on_the_other(load_boom, name):
+    options = {"uncertainty": "section-5-1", "corners": True}
+    found = found_with(load_boom, name, **options)
+    unit = " N/m" if name == "noise_gain" else ""
+    at_least = name == "gain_margin"
+    print(f"{name}: {found:.6g}{unit}")
+    for factor in (1 - 1e-6, 1 + 1e-6):
+        study = load_boom(f"requirements.{name}={factor * found!r}{unit}", **options)
+        result = sweep(study)
+        met = (factor < 1) == at_least
+        assert check_of(result, name).status is (Status.SATISFIED if met else Status.VIOLATED)
+        assert result.satisfied == met
+
+
+@pytest.mark.parametrize("name", ["gain_margin", "sampled_sensitivity_peak"])
+def test_an_unstable_family_has_no_sampled_margin(load_boom, name):
+    result = sweep(load_boom(f"requirements.{name}=1.1", corners=True))  # Fig. 5's ranges
+    check = check_of(result, name)
+    assert check.status is Status.UNSTABLE
+    assert np.isnan(check.found)
+    assert check.at is not None
+    assert not result.satisfied
+
+
+@pytest.mark.parametrize(("shortest", "room"), [("4.99 ms", False), ("5 ms", True)])
+def test_without_room_for_the_hold_nothing_sampled_is_evaluated(load_boom, shortest, room):
+    result = sweep(
+        load_boom(
+            f'uncertainty.delay=["{shortest}", "11 ms"]',
+            "requirements.gain_margin=1.01",
+            "requirements.sampled_sensitivity_peak=50",
+            corners=True,
+        )
+    )
+    assert (result.sampled is not None) == room
+    for name in ("gain_margin", "sampled_sensitivity_peak"):
+        status = check_of(result, name).status
+        assert (status is Status.NOT_EVALUATED) != room
+    assert result.satisfied == room
+
+
+def test_without_an_integral_term_the_sampled_family_is_as_stable_as_the_others(load_boom):
+    result = sweep(
+        load_boom("gains.k_i_pos=0 1/s^2", uncertainty="section-5-1", corners=True),
+    )
+    assert result.sampled.unstable_count == result.family("filters").unstable_count == 0
+
+
+@pytest.mark.parametrize(
+    ("key", "value"),
+    [
+        ("gain_margin", "1.0"),
+        ("gain_margin", "-2"),
+        ("gain_margin", '"6 dB"'),
+        ("sampled_sensitivity_peak", "1.0"),
+        ("sampled_sensitivity_peak", "nan"),
+        ("noise_gain", '"0 N/m"'),
+        ("noise_gain", '"1e7 N"'),
+        ("noise_gain", "1e7"),
+    ],
+)
+def test_a_bad_limit_is_refused_by_name(write_study, key, value):
+    with pytest.raises(InputError, match=rf"requirements\.{key}"):
+        load_study(write_study({f"requirements.{key}": value}))
+
+
+def test_limits_are_read_in_their_units(write_study):
+    limits = {"gain_margin": "1.5", "sampled_sensitivity_peak": "2", "noise_gain": '"30 kN/mm"'}
+    study = load_study(write_study({f"requirements.{key}": v for key, v in limits.items()}))
+    asked = study.study.requirements
+    assert (asked.gain_margin, asked.sampled_sensitivity_peak) == (1.5, 2.0)
+    assert asked.noise_gain == pytest.approx(30e6)
