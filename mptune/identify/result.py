@@ -35,6 +35,7 @@ class Band(NamedTuple):
 
 
 BANDS = (Band(0.0, 40.0, 0.5, 8.0), Band(40.0, 200.0, 2.0, 15.0))
+_EDGE = 1.005  # frequencies are moved to whole periods, by less than this: edges are meant so
 _MOST = 0.75  # of the fitted points lie within both limits where theory agrees
 
 
@@ -140,7 +141,7 @@ class Panel:
 
     def agreement(self, band: Band) -> Agreement | None:
         """Return the agreement over a band; None where it holds no fitted point."""
-        inside = (self.omega > band.low) & (self.omega <= band.high)
+        inside = (self.omega > _EDGE * band.low) & (self.omega <= _EDGE * band.high)
         decibels, degrees = self.decibels[:, inside], self.degrees[:, inside]
         fitted = np.isfinite(decibels)
         if not fitted.any():

@@ -1,5 +1,7 @@
 """Fig. 3 simulated: against analytic sampled dynamics, Eq. 11, and every way to fail."""
 
+import dataclasses
+
 import numpy as np
 import pytest
 
@@ -15,7 +17,6 @@ pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 FEW = (
     'identification.pressures=["3 MPa", "7 MPa", "11 MPa"]',
     'identification.frequency=["8 rad/s", "180 rad/s"]',
-    "identification.frequencies=10",
 )
 ONE_PANEL = (
     *FEW,
@@ -34,11 +35,6 @@ LINEAR = (
     "controller.weight_loss=0 N/J",
     "identification.amplitude=5 kN",
 )
-
-
-@pytest.fixture(scope="module")
-def few(load_boom):
-    return identify(load_boom(*FEW))
 
 
 @pytest.mark.parametrize("modulus", [800e6, 1100e6, 1400e6])
@@ -82,23 +78,15 @@ def test_theory_is_eq_11_with_half_a_sampling_period_and_the_valve_delay(load_bo
         np.testing.assert_allclose(panel.theory, wanted, rtol=1e-12)
 
 
-def test_panels_are_those_of_fig_3(few):
+def test_panels_and_points_come_in_the_study_s_order(load_boom):
+    few = identify(load_boom(*FEW, "identification.frequencies=2"))
     found = [(p.oil_bulk_modulus_pa, p.position_m, p.valve_delay_s) for p in few.panels]
     assert found == [(8e8, 0.15, 0), (8e8, 0.25, 0), (12e8, 0.15, 0), (12e8, 0.25, 0)]
     for panel in few.panels:
-        assert panel.response.shape == (9, 10)
-        assert sorted(set(panel.velocity)) == [-0.1, 0, 0.1]
+        assert panel.response.shape == (9, 2)
+        assert panel.velocity.tolist() == [-0.1] * 3 + [0] * 3 + [0.1] * 3
+        assert panel.pressure_a.tolist() == [3e6, 7e6, 11e6] * 3
         assert np.all(np.diff(panel.omega) > 0)
-
-
-def test_most_points_agree_with_theory(few):
-    for panel in few.panels:
-        for band in BANDS:
-            agreement = panel.agreement(band)
-            print(panel.name, agreement)
-            assert agreement.satisfied
-        assert panel.satisfied
-    assert few.satisfied
 
 
 def test_the_same_study_gives_the_same_numbers(load_boom):
@@ -187,6 +175,14 @@ def test_agreement_counts_what_is_fitted_and_keeps_signs():
     assert high.within == 1  # ±2 dB and ±15°
     assert panel.failed == 1
     assert not panel_of([[1, 1], [off, off]]).satisfied
+
+
+def test_a_frequency_moved_off_a_band_s_edge_still_counts():
+    panel = panel_of([[1, 1]])
+    edges = np.array([40.05, 200.2])
+    moved = dataclasses.replace(panel, omega=edges)
+    assert moved.agreement(BANDS[0]) is not None
+    assert moved.agreement(BANDS[1]) is not None
 
 
 def test_a_band_without_fits_has_no_agreement_and_nothing_agrees():
