@@ -105,7 +105,7 @@ def test_points_with_p_b_above_p_max_are_skipped_and_counted(load_boom):
 def test_fits_with_more_residual_than_sine_are_marked_and_leave_no_response(load_boom):
     """±200 N drowns in the ripple of the valves."""
     study = load_boom(
-        *FEW,
+        *ONE_PANEL,
         "identification.amplitude=200 N",
         'identification.frequency=["100 rad/s", "200 rad/s"]',
     )
