@@ -19,9 +19,10 @@ def place_text(at: PlantPoint | None) -> str:
     """Return a plant and a frequency in one line for print."""
     if at is None:
         return "—"
-    text = (
-        f"{at.mass_kg / 1e3:g} t, d {1e3 * at.delay_s:.4g} ms, "
-        f"τ {1e3 * at.tau_a_s:.3g}/{1e3 * at.tau_b_s:.3g} ms"
+    text = f"{at.mass_kg / 1e3:g} t, " + (
+        f"measured {at.response}"
+        if at.response
+        else f"d {1e3 * at.delay_s:.4g} ms, τ {1e3 * at.tau_a_s:.3g}/{1e3 * at.tau_b_s:.3g} ms"
     )
     if np.isnan(at.frequency_rad_s):
         return text
