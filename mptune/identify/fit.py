@@ -13,14 +13,13 @@ their place.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from enum import StrEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mptune.arrays import frozen
 from mptune.errors import Fault, InputError
+from mptune.identify.fitted import NAMES, Certainty, Fit, Interval
 from mptune.identify.region import likely_ends
 from mptune.loops.force_dynamics import force_dynamics
 
@@ -30,7 +29,6 @@ if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray
     from mptune.identify.response import FrequencyResponse
 
-NAMES = ("tau_a", "tau_b", "delay")
 _SYMBOLS = ("τ_A", "τ_B", "d")
 _FEWEST_POINTS = 6
 _LEAST_VARIANCE = 1e-6  # relative, of a point whose coherence is 1
@@ -43,68 +41,6 @@ _ORDERS = (
     np.array([[1.0, 0, 0], [1, 1, 0], [0, 0, 1]]),  # τ_A, then τ_B = τ_A + excess
     np.array([[1.0, 1, 0], [1, 0, 0], [0, 0, 1]]),
 )
-
-
-class FitStatus(StrEnum):
-    """How well a response determines the parameters."""
-
-    DETERMINED = "determined"
-    ORDER_UNKNOWN = "order of τ_A and τ_B not determined"
-    ILL_DETERMINED = "ill determined"
-    NOT_CONVERGED = "not converged"
-
-
-class Interval(NamedTuple):
-    """A parameter's value and the ends of its 95 % confidence interval [s]."""
-
-    value: float
-    low: float
-    high: float
-
-
-@dataclass(frozen=True)
-class Fit:
-    """G_F and dead time fitted to one response.
-
-    Attributes
-    ----------
-    name
-        The response's.
-    tau_a, tau_b, delay
-        Values and 95 % intervals [s]. The delay is all of the response's dead time.
-    covariance
-        ``(3, 3)`` of τ_A, τ_B and delay about the value [s²].
-    points
-        Points fitted.
-    error
-        Rms of |G_measured/G_fitted − 1|.
-    weakest
-        The combination of the three that is known least, in words, with its linear half width.
-    status
-        Whether the response determines them.
-    """
-
-    name: str
-    tau_a: Interval
-    tau_b: Interval
-    delay: Interval
-    covariance: FloatArray
-    points: int
-    error: float
-    weakest: str
-    status: FitStatus
-
-    def json(self) -> dict[str, Any]:
-        """Return the result in SI, units in the keys."""
-        values: dict[str, Any] = {f"{name}_s": getattr(self, name)._asdict() for name in NAMES}
-        return {
-            "name": self.name,
-            **values,
-            "points": self.points,
-            "relative_error": self.error,
-            "weakest": self.weakest,
-            "status": self.status.value,
-        }
 
 
 def model(omega: FloatArray, parameters: FloatArray, share_a: float) -> ComplexArray:
@@ -156,11 +92,11 @@ def fit(
         Interval(*(float(end) for end in one)) for one in zip(best.at, low, high, strict=True)
     ]
     vague = bool(np.any(high - low > 2 * _VAGUE * best.at))
-    status = FitStatus.ILL_DETERMINED if vague else FitStatus.DETERMINED
+    certainty = Certainty.ILL_DETERMINED if vague else Certainty.DETERMINED
     if order_open:
-        status = FitStatus.ORDER_UNKNOWN
+        certainty = Certainty.ORDER_UNKNOWN
     if not best.converged:
-        status = FitStatus.NOT_CONVERGED
+        certainty = Certainty.NOT_CONVERGED
     fitted = model(data.omega, best.at, share_a)
     return Fit(
         name=response.name,
@@ -171,7 +107,7 @@ def fit(
         points=len(data.omega),
         error=float(np.sqrt(np.mean(np.abs(data.response / fitted - 1) ** 2))),
         weakest=_weakest(covariance, quantile),
-        status=status,
+        certainty=certainty,
     )
 
 

@@ -6,7 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from mptune.errors import Fault, InputError
-from mptune.identify.fit import NAMES, Fit, FitStatus
+from mptune.identify.fitted import NAMES, Certainty, Fit
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -34,7 +34,7 @@ def fitted_ranges(fits: Sequence[Fit], held: float = 0.0) -> dict[str, Range]:
     InputError
         If there is no fit that converged.
     """
-    usable = [one for one in fits if one.status is not FitStatus.NOT_CONVERGED]
+    usable = [one for one in fits if one.certainty is not Certainty.NOT_CONVERGED]
     if not usable:
         fault = Fault("", "", "has no response that Eq. 11 could be fitted to", "check the data")
         raise InputError("fit", fault)
@@ -63,7 +63,9 @@ def uncertainty_section(
     ranges = fitted_ranges(fits, held)
     section = tomlkit.table()
     for one in fits:
-        section.add(tomlkit.comment(f"{one.name}: {one.status.value}; least known {one.weakest}"))
+        section.add(
+            tomlkit.comment(f"{one.name}: {one.certainty.value}; least known {one.weakest}")
+        )
     if held:
         section.add(tomlkit.comment(f"delay: with {1e3 * held:g} ms of the hold added"))
     section.add("mass", [f"{value!r} kg" for value in box.mass])

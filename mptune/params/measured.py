@@ -126,11 +126,13 @@ def read_response_table(path: Path) -> ResponseTable:
 
 
 def _check(path: Path, omega: FloatArray, response: ComplexArray, coherence: FloatArray) -> None:
+    with np.errstate(invalid="ignore"):
+        falls = np.diff(omega, prepend=0.0) <= 0
     rules = (
         (~np.isfinite(omega) | (omega <= 0), "has no frequency above 0"),
         (~np.isfinite(response), "has no response"),
         (
-            np.diff(omega, prepend=0.0) <= 0,
+            falls,
             "has a frequency that does not come after the one before",
         ),
         ((coherence < 0) | (coherence > 1), "has a coherence that is not within 0 and 1"),

@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from mptune.errors import InputError
-from mptune.identify.fit import FitStatus, fit, model
+from mptune.identify.fit import fit, model
+from mptune.identify.fitted import Certainty
 from mptune.identify.response import FrequencyResponse
 from mptune.identify.spectrum import periodic_response, welch_response
 
@@ -86,7 +87,7 @@ def test_without_noise_the_parameters_come_back():
         found = fit(made(omega, known), SHARE)
         values = (found.tau_a.value, found.tau_b.value, found.delay.value)
         np.testing.assert_allclose(values, known, rtol=1e-5)
-        assert found.status is FitStatus.DETERMINED
+        assert found.certainty is Certainty.DETERMINED
         assert found.error < 1e-7
 
 
@@ -115,7 +116,7 @@ def test_a_noisy_half_is_outweighed_by_the_coherent_one():
 
 def test_equal_areas_leave_the_order_open_and_the_intervals_hold_both():
     found = fit(made(np.geomspace(2, 300, 60), share=0.5, noise=0.003), 0.5)
-    assert found.status is FitStatus.ORDER_UNKNOWN
+    assert found.certainty is Certainty.ORDER_UNKNOWN
     for one in (found.tau_a, found.tau_b):
         assert one.low < 6.1e-3
         assert one.high > 10.9e-3
@@ -124,7 +125,7 @@ def test_equal_areas_leave_the_order_open_and_the_intervals_hold_both():
 
 def test_much_noise_is_said_and_never_taken_for_knowledge():
     found = fit(made(np.geomspace(2, 60, 30), noise=0.1, seed=4), SHARE)
-    assert found.status in {FitStatus.ILL_DETERMINED, FitStatus.ORDER_UNKNOWN}
+    assert found.certainty in {Certainty.ILL_DETERMINED, Certainty.ORDER_UNKNOWN}
     assert found.tau_a.low <= KNOWN[0] <= found.tau_a.high
     assert found.tau_b.low <= KNOWN[1] <= found.tau_b.high
     assert found.tau_a.high < 0.1

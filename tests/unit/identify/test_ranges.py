@@ -9,7 +9,8 @@ import pytest
 import tomlkit
 
 from mptune.errors import InputError
-from mptune.identify.fit import Fit, FitStatus, Interval, fit, model
+from mptune.identify.fit import fit, model
+from mptune.identify.fitted import Certainty, Fit, Interval
 from mptune.identify.ranges import fitted_ranges, uncertainty_section
 from mptune.identify.response import FrequencyResponse
 from mptune.identify.responses import write_response
@@ -19,7 +20,7 @@ from mptune.robust.sweep import sweep
 SHARE = 0.5714
 
 
-def a_fit(name, tau_a, tau_b, delay, status=FitStatus.DETERMINED):
+def a_fit(name, tau_a, tau_b, delay, status=Certainty.DETERMINED):
     return Fit(
         name,
         *(Interval(*(1e-3 * end for end in one)) for one in (tau_a, tau_b, delay)),
@@ -46,7 +47,7 @@ def test_ranges_hold_every_interval():
 
 
 def test_a_fit_that_did_not_converge_is_left_out():
-    bad = a_fit("bad", (6, 0, 90), (6, 0, 90), (6, 0, 90), FitStatus.NOT_CONVERGED)
+    bad = a_fit("bad", (6, 0, 90), (6, 0, 90), (6, 0, 90), Certainty.NOT_CONVERGED)
     assert fitted_ranges((*FITS, bad)) == fitted_ranges(FITS)
     with pytest.raises(InputError, match="check the data"):
         fitted_ranges((bad,))
