@@ -36,6 +36,7 @@ _CONFIDENCE = 0.95
 _VAGUE = 0.25  # half width over value from which a parameter counts as ill determined
 _STARTS = (2.0, 10.0)  # ms, of the smaller time constant
 _APART = 4.0  # ms, of the larger one from it
+_UNKNOWN = 1e3  # ms, where the linear covariance is singular
 _ROUNDS = 2  # of weighting by the model's magnitude
 _ORDERS = (
     np.array([[1.0, 0, 0], [1, 1, 0], [0, 0, 1]]),  # τ_A, then τ_B = τ_A + excess
@@ -246,4 +247,5 @@ def _weakest(covariance: FloatArray, quantile: float) -> str:
         if abs(share) >= 0.05
     ]
     text = " ".join(terms).removeprefix("+ ")
-    return f"{text}: ± {1e3 * quantile * np.sqrt(variances[-1]):.2g} ms"
+    width = 1e3 * quantile * float(np.sqrt(variances[-1]))
+    return f"{text}: ± {width:.2g} ms" if width < _UNKNOWN else f"{text}: not known to first order"

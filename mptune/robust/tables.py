@@ -29,6 +29,22 @@ def place_text(at: PlantPoint | None) -> str:
     return f"{text}, ω {at.frequency_rad_s:.3g} rad/s"
 
 
+def undecided_text(sweep: SweepResult) -> str | None:
+    """Return which measured responses leave stability undecided, and what would decide it."""
+    names = set()
+    for family in sweep.families:
+        first = len(family.decided) - len(family.responses)
+        pairs = zip(family.responses, family.decided[first:], strict=True)
+        names.update(name for name, decided in pairs if not decided)
+    if not names:
+        return None
+    return (
+        f"UNDECIDED around measured {', '.join(sorted(names))}: not taken for stable. The loop has "
+        "to be above 2 at the start of the band and below 1/2 at its end, and the measured points "
+        "dense enough to tell on which side of the critical point it passes."
+    )
+
+
 def margin_rows(sweep: SweepResult) -> list[tuple[str, list[str]]]:
     """Return a label and six cells per margin.
 

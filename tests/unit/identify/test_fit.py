@@ -95,7 +95,7 @@ def test_intervals_hold_the_truth_as_often_as_they_say():
     omega = np.geomspace(2, 300, 60)
     quality = np.full(60, 1 / (1 + 1e-5))
     held = []
-    for seed in range(100):
+    for seed in range(60):
         found = fit(made(omega, noise=0.003, seed=seed, quality=quality), SHARE)
         for one, true in zip((found.tau_a, found.tau_b, found.delay), KNOWN, strict=True):
             held.append(one.low <= true <= one.high)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mptune.figures.panels import _left_curves, four_panels
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.family import FamilyLoops
 from mptune.loops.force_dynamics import force_dynamics
@@ -24,6 +25,7 @@ from mptune.robust.measured_loops import count_members, member_margins
 from mptune.robust.result import Status
 from mptune.robust.store import to_dataset
 from mptune.robust.sweep import sweep
+from mptune.robust.tables import place_text, undecided_text
 
 GAINS = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)
 NOMINAL = NominalPlant(24500.0, 0.011)
@@ -235,3 +237,25 @@ def test_an_undecided_member_is_said_and_not_taken_for_stable(write_study, tmp_p
     assert result.position.status is Status.UNDECIDED
     assert not result.satisfied
     assert result.json()["true_family"]["none"]["undecided_plants"] == 2
+    assert "around measured rig: not taken for stable" in undecided_text(result)
+
+
+def test_where_all_is_decided_nothing_is_said(load_boom):
+    assert undecided_text(sweep(load_boom(corners=True))) is None
+
+
+def test_the_worst_plant_of_the_tables_is_named(write_study, tmp_path):
+    result = sweep(rig_study(write_study, tmp_path, delay=0.026))
+    assert place_text(result.velocity.at).startswith("24.5 t, measured rig, ω ")
+
+
+def test_panels_hold_the_members_and_leave_out_what_they_replace(write_study, tmp_path):
+    result = sweep(rig_study(write_study, tmp_path, delay=0.012, place="instead"))
+    omega, curves = _left_curves(result)
+    inside = (omega >= 0.5) & (omega <= 600)
+    assert curves.shape[1] == 16 + 2
+    assert np.all(curves[:, :16, inside] == 0)
+    assert np.all(curves[:, :16, ~inside] > 0)
+    assert np.all(curves[:, 16:, ~inside] == 0)
+    assert np.all(curves[:, 16:, inside].max(axis=1) > 0)
+    assert four_panels(result).axes[0].lines
