@@ -23,7 +23,7 @@ _POINT = {**EDGE, "linewidth": 0.5, "alpha": 0.35, "marker": ".", "markersize": 
 def bode_panels(panels: tuple[Panel, ...]) -> Figure:
     """Draw magnitude and phase of each panel: points light, their median solid, theory dashed.
 
-    Fits that are not valid are left out; each title counts them.
+    Fits that are not valid are left out and counted below the curves.
     """
     with style():
         rows = -(-len(panels) // _COLUMNS)
@@ -37,7 +37,7 @@ def bode_panels(panels: tuple[Panel, ...]) -> Figure:
         for spare in range(len(panels), rows * _COLUMNS):
             for one in axes[2 * (spare // _COLUMNS) :, spare % _COLUMNS]:
                 one.remove()
-        figure.align_ylabels(axes)
+        figure.align_ylabels()
         legend_below(figure, axes[0, 0])
     return figure
 
@@ -60,7 +60,8 @@ def _draw(magnitude: Axes, phase: Axes, panel: Panel) -> None:
     phase.set(xlabel="Frequency [rad/s]", ylabel="Phase [°]", xlim=(omega[0], omega[-1]))
     phase.set_yticks(np.arange(-360, 1, 45))
     phase.set_ylim(min(-180.0, float(np.floor(angle.min() / 45) * 45 - 15)), 15)
-    magnitude.set_title(f"{panel.name}\n{_counts(panel)}", loc="left")
+    magnitude.set_title(panel.name, loc="left", fontsize=8)
+    magnitude.text(0.02, 0.06, _counts(panel), transform=magnitude.transAxes, fontsize=7)
 
 
 def _counts(panel: Panel) -> str:

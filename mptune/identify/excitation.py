@@ -20,7 +20,7 @@ from mptune.identify.spectrum import periodic_response, welch_response
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mptune.arrays import ComplexArray, FloatArray
+    from mptune.arrays import ComplexArray, FloatArray, IntArray
     from mptune.params.controller import Controller
     from mptune.params.identification import Identification
 
@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
 _START_UP = 0.5  # s, left out of every record; the pressures settle within some sampling periods
 _PERIODS = 4  # of the multisine
-_TRIALS = 400  # random phases, of which those with the lowest peak are taken
+_ROUNDS, _CLIP = 300, 0.85  # of the search for a low peak, and where it clips
 _SWEEPS = 3  # of the chirp
 
 
@@ -102,28 +102,40 @@ def _sine(omega: float, asked: Identification, controller: Controller) -> Run:
 
 
 def _multisine(asked: Identification, controller: Controller) -> Run:
-    """Return lines on a logarithmic grid, of equal amplitude, in the best of many random phases."""
+    """Return lines on a logarithmic grid, of equal amplitude."""
     low, high = asked.frequency
     samples = controller.ticks * int(np.ceil(2 * np.pi / (low * controller.sampling_period)))
     tick = controller.fast_sampling_period
     base = 2 * np.pi / (samples * tick)
     lines = np.unique(np.rint(np.geomspace(low, high, asked.frequencies) / base).astype(np.int64))
-    best: FloatArray = np.full(samples, np.inf)
-    random = np.random.default_rng(0)
-    for _ in range(_TRIALS):
-        spectrum = np.zeros(samples // 2 + 1, np.complex128)
-        spectrum[lines] = np.exp(2j * np.pi * random.random(len(lines)))
-        trial = np.asarray(np.fft.irfft(spectrum, samples), np.float64)
-        if np.abs(trial).max() < np.abs(best).max():
-            best = trial
+    best = _low_peak(samples, lines)
     best *= asked.amplitude / np.abs(best).max()
-    omega: FloatArray = base * lines
+    omega = np.asarray(base * lines, np.float64)
 
     def analyse(u: FloatArray, y: FloatArray) -> tuple[FloatArray, ComplexArray, FloatArray]:
         found = [periodic_response(u, one, tick, omega, _PERIODS, "multisine") for one in y]
         return omega, np.stack([r.response for r in found]), np.stack([r.quality for r in found])
 
     return Run(np.tile(best, _PERIODS + 1), samples, analyse)
+
+
+def _low_peak(samples: int, lines: IntArray) -> FloatArray:
+    """Return lines of equal amplitude in phases that give a low peak, ``(T,)``.
+
+    From random phases, the peaks are clipped and the clipped signal's phases are taken, again and
+    again (van der Ouderaa, Schoukens and Renneboog 1988); the best signal on the way is returned.
+    """
+    phases = np.random.default_rng(0).uniform(-np.pi, np.pi, len(lines))
+    best: FloatArray = np.full(samples, np.inf)
+    for _ in range(_ROUNDS):
+        spectrum = np.zeros(samples // 2 + 1, np.complex128)
+        spectrum[lines] = np.exp(1j * phases)
+        trial = np.fft.irfft(spectrum, samples)
+        peak = np.abs(trial).max()
+        if peak < np.abs(best).max():
+            best[:] = trial
+        phases = np.angle(np.fft.rfft(np.clip(trial, -_CLIP * peak, _CLIP * peak))[lines])
+    return best
 
 
 def _chirp(asked: Identification, controller: Controller) -> Run:

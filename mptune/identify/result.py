@@ -35,7 +35,7 @@ class Band(NamedTuple):
 
 
 BANDS = (Band(0.0, 40.0, 0.5, 8.0), Band(40.0, 200.0, 2.0, 15.0))
-_ENOUGH = 0.9  # share of the fitted points that lie within both limits
+_MOST = 0.75  # of the fitted points lie within both limits where theory agrees
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Agreement:
     @property
     def satisfied(self) -> bool:
         """Whether most points are within the limits."""
-        return self.within >= _ENOUGH
+        return self.within >= _MOST
 
 
 @dataclass(frozen=True)

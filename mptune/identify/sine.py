@@ -18,7 +18,7 @@ def whole_periods(omega: float, sampling_period: float) -> tuple[float, int]:
 
     The record holds a whole number of periods, so that no part of one biases the fit, and that
     number has no divisor in common with the sampling periods: no phase is sampled twice. The
-    frequency moves by a quarter of a per cent at the most.
+    frequency moves by half a sampling period in the record's two seconds at the most.
     """
     periods = max(1, math.ceil(_SHORTEST * omega / (2 * math.pi)))
     while True:
