@@ -142,11 +142,12 @@ class Members:
         """Return |Δ_vel| and |Δ_pos|, ``(2, R M, F)``; 0 where a member says nothing."""
         force = np.array([one.at(omega) for one in self.responses]).reshape(-1, len(omega))
         force = np.repeat(force, len(self.masses), axis=0)
+        speaks = np.isfinite(force)
         lead = np.exp(1j * omega * nominal.delay)
-        velocity = error_of_factors(force, lead, nominal.mass / self.mass[:, None])
+        ratio = nominal.mass / self.mass[:, None]
+        velocity = error_of_factors(np.where(speaks, force, 1.0), lead, ratio)
         position = position_error(velocity, nominal_velocity_loop)
-        sizes: FloatArray = np.abs(np.stack([velocity, position]))
-        return np.nan_to_num(sizes, nan=0.0)
+        return np.where(speaks, np.abs(np.stack([velocity, position])), 0.0)
 
 
 def members_of(study: ResolvedStudy, plants: Plants) -> Members | None:

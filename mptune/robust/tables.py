@@ -31,7 +31,7 @@ def place_text(at: PlantPoint | None) -> str:
 
 def undecided_text(sweep: SweepResult) -> str | None:
     """Return which measured responses leave stability undecided, and what would decide it."""
-    names = set()
+    names: set[str] = set()
     for family in sweep.families:
         first = len(family.decided) - len(family.responses)
         pairs = zip(family.responses, family.decided[first:], strict=True)
