@@ -98,7 +98,8 @@ class ResolvedStudy(Section):
         """Return the SI model: all but gains, what they are tried on, title and sources."""
         left_out = {"gains", "verification", "identification", "title", "sources", "uncertainty"}
         values = self.study.model_dump(exclude=left_out)
-        values["uncertainty"] = self.uncertainty.model_dump()
+        unnamed = {"measured": {"__all__": {"name"}}}  # a file's content counts, not its name
+        values["uncertainty"] = self.uncertainty.model_dump(exclude=unnamed)
         return values
 
     def hash(self) -> str:
