@@ -22,8 +22,7 @@ if TYPE_CHECKING:
     from mptune.force.search_space import SearchSpace
     from mptune.params.pack import ForceSettings, Machine
 
-STEPS, CALM_STEPS = 4, 2  # of the integration in one tick of T_S,fast
-_CALM = 1e4  # Pa over one tick: slower pressures are calm
+STEPS = 4  # of the integration in one tick of T_S,fast
 
 
 class Chambers(NamedTuple):
@@ -162,12 +161,8 @@ def _advance(
     first, second = supplies[space.first[state]], supplies[space.second[state]]
     count_1 = scale * space.first_count[state]
     count_2 = scale * space.second_count[state]
-    rate = _rate(pressure, stiffness, into, first, count_1, second, count_2, tr)
-    if count_1 == 0:  # all shut: a straight line
-        return max(pressure + span * rate, 0.0)
-    steps = CALM_STEPS if abs(rate) * span < _CALM else STEPS
-    h = span / steps
-    for _ in range(steps):
+    h = span / STEPS
+    for _ in range(STEPS):
         k1 = _rate(pressure, stiffness, into, first, count_1, second, count_2, tr)
         ahead = pressure + 0.5 * h * k1
         k2 = _rate(ahead, stiffness, into, first, count_1, second, count_2, tr)
