@@ -74,6 +74,12 @@ def parse_quantity(text: str, unit: str) -> float:
     return value
 
 
+def label_and_unit(text: str) -> tuple[str, str]:
+    """Return name and unit of a column's heading, ``"F_ref [kN]"``; the unit may be missing."""
+    label, _, rest = text.partition("[")
+    return label.strip(), rest.rstrip().removesuffix("]").strip()
+
+
 @cache
 def _factor(written: str, unit: str) -> Decimal:
     """Return the SI value of one ``written`` unit, to the 15 digits that pint keeps of it."""

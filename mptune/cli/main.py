@@ -14,6 +14,7 @@ from typing import Annotated
 
 import typer
 
+from mptune.cli.identify import identify
 from mptune.cli.options import (
     OUT,
     JsonOption,
@@ -159,6 +160,9 @@ def verify(
         show.verified(result)
         show.files(files)
     finish(met=result.satisfied)
+
+
+app.command()(identify)
 
 
 @app.command()

@@ -21,6 +21,15 @@ OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder for results
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
 
+DataOption = Annotated[
+    list[Path] | None,
+    typer.Option(
+        metavar="FILE",
+        help="Measured: a record (CSV, MAT, MDF4), or a response (CSV) without --input; "
+        "repeatable.",
+    ),
+]
+
 OUT = Path("reports")
 
 

@@ -16,7 +16,7 @@ from rich.text import Text
 
 from mptune.params.paper import LEDGER
 from mptune.robust.result import Status
-from mptune.robust.tables import EQUATIONS, margin_rows, place_text
+from mptune.robust.tables import EQUATIONS, margin_rows, place_text, undecided_text
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
@@ -99,6 +99,9 @@ def sweep(result: SweepResult) -> None:
     console.print(table)
     _margins(result)
     _requirements(result)
+    undecided = undecided_text(result)
+    if undecided:
+        console.print(verdict(undecided, good=False))
 
 
 def _margins(result: SweepResult) -> None:

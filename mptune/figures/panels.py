@@ -49,13 +49,18 @@ def four_panels(result: SweepResult) -> Figure:
 
 
 def _left_curves(result: SweepResult) -> tuple[FloatArray, FloatArray]:
-    """Return frequencies and |Δ| of the whole family, ``(2, N, F)``."""
+    """Return frequencies and |Δ| of the whole family, ``(2, N, F)``; 0 where a plant has none."""
     study = result.study
     omega = np.geomspace(result.omega[0], result.omega[-1], _POINTS)
     nominal, gains = pack_nominal(study), pack_gains(result.gains)
     loop = nominal_loops(omega, nominal, gains, pack_path(study))[0]
     share_a = study.study.cylinder.share_a
-    return omega, error_curves(omega, result.plants, nominal, share_a, loop)
+    curves = error_curves(omega, result.plants, nominal, share_a, loop)
+    members = result.members
+    if members is None:
+        return omega, curves
+    curves[:, :, members.replaces(omega)] = 0.0
+    return omega, np.concatenate([curves, members.errors(omega, nominal, loop)], axis=1)
 
 
 def _draw_sides(
@@ -69,7 +74,8 @@ def _draw_sides(
     axes.fill_between(omega, 1e-4, curves[row].max(axis=0), label="family", **BAND)
     axes.plot(grid, condition.left, **EDGE)
     worst = int(condition.plant[np.argmax(condition.ratio)])
-    axes.plot(omega, curves[row, worst], label="worst plant", **WORST)
+    curve = np.where(curves[row, worst] > 0, curves[row, worst], np.nan)
+    axes.plot(omega, curve, label="worst plant", **WORST)
     axes.plot(grid, condition.right, label="right-hand side", **LIMIT)
     axes.axvline(condition.at.frequency_rad_s, color="#d55e00", linewidth=0.6)
     axes.set(xscale="log", yscale="log", xlabel="Frequency [rad/s]", ylabel="Magnitude [–]")

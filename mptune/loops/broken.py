@@ -83,6 +83,18 @@ def force_loop(s: Complex, velocity: Complex, gains: LoopGains, path: Measuremen
 
 
 @kernel
+def loop_around(
+    which: int, s: Complex, velocity: Complex, gains: LoopGains, path: MeasurementPath
+) -> Complex:
+    """Return the loop gain around one velocity plant, broken at ``which``."""
+    if which == VELOCITY:
+        return velocity_loop(s, velocity, gains.k_p_vel, path)
+    if which == POSITION:
+        return position_loop(s, velocity, gains, path)
+    return force_loop(s, velocity, gains, path)
+
+
+@kernel
 def loop_gain(
     which: int,
     s: Complex,
@@ -95,9 +107,4 @@ def loop_gain(
     path: MeasurementPath,
 ) -> Complex:
     """Return the loop gain of one plant, broken at ``which``."""
-    velocity = true_velocity(s, mass, delay, tau_a, tau_b, share_a)
-    if which == VELOCITY:
-        return velocity_loop(s, velocity, gains.k_p_vel, path)
-    if which == POSITION:
-        return position_loop(s, velocity, gains, path)
-    return force_loop(s, velocity, gains, path)
+    return loop_around(which, s, true_velocity(s, mass, delay, tau_a, tau_b, share_a), gains, path)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from mptune.arrays import Complex, kernel
+from mptune.arrays import Complex, Real, kernel
 from mptune.loops.force_dynamics import force_dynamics
 
 
@@ -23,7 +23,7 @@ def true_velocity(
 
 
 @kernel
-def error_of_factors(force: Complex, lag: Complex, mass_ratio: float) -> Complex:
+def error_of_factors(force: Complex, lag: Complex, mass_ratio: Real) -> Complex:
     """Return Δ_vel from its factors G_F(s), e^{−s(d − d_min)} and m_min/m."""
     return force * lag * mass_ratio - 1  # Eq. 16
 

@@ -11,6 +11,7 @@ from pydantic import BaseModel, ValidationError
 
 from mptune.errors import Fault, InputError
 from mptune.files import read_text
+from mptune.params.measured import read_measured
 from mptune.params.recorded import read_load_table, read_references
 from mptune.params.study import ResolvedStudy, Study
 
@@ -46,6 +47,7 @@ def load_study(
         _override(values, override)
     read_references(path, values)
     read_load_table(path, values)
+    read_measured(path, values)
     try:
         study = Study.model_validate(values)
     except ValidationError as error:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
 from mptune.files import read_text
-from mptune.units import UnitError, parse_quantity
+from mptune.units import UnitError, label_and_unit, parse_quantity
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -90,14 +90,13 @@ def _read(path: Path, columns: tuple[tuple[str, str], ...], fewest: int) -> list
 
 def _scales(path: Path, header: list[str], wanted: tuple[tuple[str, str], ...]) -> list[float]:
     """Return the SI values of the columns' units; "-" stands for a plain number."""
-    labels = [cell.partition("[") for cell in header]
-    if [label.strip() for label, _, _ in labels] != [name for name, _ in wanted]:
+    labels = [label_and_unit(cell) for cell in header]
+    if [label for label, _ in labels] != [name for name, _ in wanted]:
         rule = f"is {','.join(header)!r}"
         remedy = "write " + ",".join(f"{name} [{unit}]" for name, unit in wanted)
         raise InputError(path, Fault("header", "", rule, remedy))
     scales = []
-    for (_, _, rest), (_, unit) in zip(labels, wanted, strict=True):
-        written = rest.rstrip().removesuffix("]")
+    for (_, written), (_, unit) in zip(labels, wanted, strict=True):
         try:
             scales.append(1.0 if unit == "1" else parse_quantity(f"1 {written}", unit))
         except UnitError as error:

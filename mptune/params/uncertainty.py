@@ -6,6 +6,7 @@ from typing import Literal, Self
 
 from pydantic import Field, model_validator
 
+from mptune.params.measured import MeasuredResponse
 from mptune.params.section import Range, Section, quantity, refuse
 
 Derived = Literal["derived"]
@@ -33,6 +34,12 @@ class UncertaintySet(Section):
     )
     points: int = quantity("1", "n", "points per parameter", 7, at_least=1, at_most=51)
     nominal: Nominal = Nominal()
+    measured: tuple[MeasuredResponse, ...] = Field(
+        (), description="files of measured force responses, members of the true family"
+    )
+    measured_place: Literal["beside", "instead"] = Field(
+        "beside", description="measured responses beside the box's plants, or instead within band"
+    )
 
     @model_validator(mode="after")
     def _box_has_inside(self) -> Self:
@@ -40,6 +47,15 @@ class UncertaintySet(Section):
         for name, pair in pairs.items():
             if self.points == 1 and not isinstance(pair, str) and pair[0] != pair[1]:
                 refuse(f"has points = 1 but a range in {name}", "give at least two points")
+        return self
+
+    @model_validator(mode="after")
+    def _measured_have_names(self) -> Self:
+        names = [one.name for one in self.measured]
+        if len(set(names)) < len(names):
+            refuse("has two measured responses of one name", "name their files differently")
+        if not names and self.measured_place == "instead":
+            refuse('has measured_place = "instead" and nothing measured', "give measured files")
         return self
 
     @property

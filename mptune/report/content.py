@@ -17,7 +17,7 @@ from mptune.params.paper import (
 from mptune.params.section import Section
 from mptune.robust.chain import factor_text
 from mptune.robust.result import Check, Status
-from mptune.robust.tables import EQUATIONS, margin_rows, place_text
+from mptune.robust.tables import EQUATIONS, margin_rows, place_text, undecided_text
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
@@ -97,7 +97,8 @@ def _status(results: Results) -> str:
 
 
 def _warnings(results: Results) -> list[str]:
-    found = []
+    undecided = undecided_text(results.sweep)
+    found = [undecided] if undecided else []
     for family in results.sweep.families:
         if family.unstable_count:
             path = "with" if family.path == "filters" else "without"

@@ -18,10 +18,14 @@ from mptune.loops.velocity import error_of_factors, nominal_velocity
 
 if TYPE_CHECKING:
     from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
+    from mptune.robust.measured import Members
 
 
 class Sides(NamedTuple):
-    """Both sides of Eq. 17 (row 0) and Eq. 21 (row 1) over a family."""
+    """Both sides of Eq. 17 (row 0) and Eq. 21 (row 1) over a family.
+
+    The N plants are those of the box, followed by the measured members where there are any.
+    """
 
     left: FloatArray  # (2, F) envelope max |Δ| over the plants
     plant: IntArray  # (2, F) the plant behind each value of the envelope
@@ -56,15 +60,55 @@ def sides(
     share_a: float,
     gains: LoopGains,
     path: MeasurementPath,
+    members: Members | None = None,
 ) -> Sides:
-    """Return both sides of Eq. 17 and Eq. 21 at the frequencies ``omega``, ``(F,)`` [rad/s]."""
+    """Return both sides of Eq. 17 and Eq. 21 at the frequencies ``omega``, ``(F,)`` [rad/s].
+
+    Measured ``members`` raise the left side within their bands; where they stand instead of the
+    box's ``plants`` those are left out.
+    """
     loops = nominal_loops(omega, nominal, gains, path)
     with np.errstate(divide="ignore"):  # a loop without gain has an infinite right-hand side
         right = np.abs(1 + loops) / np.abs(loops)  # Eq. 17 and Eq. 21
-    left, plant, ratio, frequency = _family_errors(
-        omega, _factors(plants, nominal), nominal.delay, share_a, loops[0], 1 / right
+    factors = _factors(plants, nominal)
+    if members is None:
+        left, plant, ratio, frequency = _family_errors(
+            omega, factors, nominal.delay, share_a, loops[0], 1 / right
+        )
+        return Sides(np.sqrt(left), plant, right, np.sqrt(ratio), frequency)
+    asked = np.flatnonzero(~members.replaces(omega))
+    found = _family_errors(
+        omega[asked], factors, nominal.delay, share_a, loops[0, asked], 1 / right[:, asked]
     )
-    return Sides(np.sqrt(left), plant, right, np.sqrt(ratio), frequency)
+    return _with_members(found, asked, members.errors(omega, nominal, loops[0]), right)
+
+
+def _with_members(
+    found: tuple[FloatArray, IntArray, FloatArray, IntArray],
+    asked: IntArray,
+    errors: FloatArray,
+    right: FloatArray,
+) -> Sides:
+    """Return the sides of a family with measured members.
+
+    ``found`` is what the kernel found at the frequencies ``asked``; ``errors`` ``(2, M, F)`` are
+    the members'.
+    """
+    count = found[2].shape[1]
+    left, plant = errors.max(axis=1), count + errors.argmax(axis=1)
+    of_box = np.zeros_like(left)
+    of_box[:, asked] = np.sqrt(found[0])
+    behind = np.zeros_like(plant)
+    behind[:, asked] = found[1]
+    ratios = errors / right[:, None, :]
+    at = asked[found[3]] if len(asked) else found[3]
+    return Sides(
+        left=np.maximum(left, of_box),
+        plant=np.where(left > of_box, plant, behind),
+        right=right,
+        plant_ratio=np.concatenate([np.sqrt(found[2]), ratios.max(axis=2)], axis=1),
+        plant_frequency=np.concatenate([at, ratios.argmax(axis=2)], axis=1),
+    )
 
 
 class _Factors(NamedTuple):

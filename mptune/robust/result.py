@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mptune.arrays import frozen
 from mptune.loops.broken import FORCE
 from mptune.loops.family import derived_time_constants
 
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from mptune.params.pack import Plants
     from mptune.params.study import ResolvedStudy
     from mptune.robust.margins import Margins
+    from mptune.robust.measured import Members
 
 
 class Status(StrEnum):
@@ -37,23 +39,39 @@ def finite(value: float) -> float | None:
 
 @dataclass(frozen=True)
 class PlantPoint:
-    """A plant of the family at a frequency."""
+    """A plant of the family at a frequency.
+
+    A measured member has the name of its ``response``, and neither delay nor lags of its own: NaN.
+    """
 
     mass_kg: float
     delay_s: float
     tau_a_s: float
     tau_b_s: float
     frequency_rad_s: float
+    response: str | None = None
 
-    def values(self) -> dict[str, float | None]:
-        """Return the fields by name, as JSON has them."""
-        return {field.name: finite(getattr(self, field.name)) for field in fields(self)}
+    def values(self) -> dict[str, float | str | None]:
+        """Return the fields by name, as JSON has them; ``response`` of measured members only."""
+        values: dict[str, float | str | None] = {
+            field.name: finite(getattr(self, field.name))
+            for field in fields(self)
+            if field.name != "response"
+        }
+        return values if self.response is None else {**values, "response": self.response}
 
 
-def plant_point(plants: Plants, index: int, frequency: float) -> PlantPoint:
-    """Return one plant of a family at a frequency [rad/s]."""
+def plant_point(
+    plants: Plants, index: int, frequency: float, responses: tuple[str, ...] = ()
+) -> PlantPoint:
+    """Return one plant of a family at a frequency [rad/s].
+
+    The last of the ``plants`` are measured members, whose ``responses`` are named.
+    """
     mass, delay, tau_a, tau_b = (float(column[index]) for column in plants)
-    return PlantPoint(mass, delay, tau_a, tau_b, float(frequency))
+    member = int(index) - (len(plants.mass) - len(responses))
+    name = responses[member] if member >= 0 else None
+    return PlantPoint(mass, delay, tau_a, tau_b, float(frequency), name)
 
 
 @dataclass(frozen=True)
@@ -67,9 +85,9 @@ class Condition:
     left, right
         ``(F,)`` envelope of |Δ| over the family, and |(1 + L_N)/L_N|.
     plant
-        ``(F,)`` the plant behind each value of the envelope.
+        ``(F,)`` the plant behind each value of the envelope, measured members after the box's.
     plant_ratio
-        ``(N,)`` each plant's largest left/right ratio.
+        ``(N,)`` each plant's largest left/right ratio, in the same order.
     allowed
         ``(F,)`` largest ratio that the study allows.
     worst_ratio, at
@@ -123,12 +141,16 @@ class Family:
     ----------
     path
         ``"none"``, ``"filters"``, or ``"sampled"`` for the loop as it runs.
+    plants
+        The box's plants, then the measured members; those alone where they stand instead.
     velocity_stable, stable
         ``(N,)`` whether the velocity loop alone and the whole closed loop are stable.
     decided
         ``(N,)`` whether both were decided for certain.
     margins
         Margins ``(3, N)``, NaN where the loop is not stable.
+    responses
+        Names of the measured responses behind the last plants.
     """
 
     path: str
@@ -137,6 +159,7 @@ class Family:
     stable: BoolArray
     decided: BoolArray
     margins: Margins
+    responses: tuple[str, ...] = ()
 
     @property
     def unstable_count(self) -> int:
@@ -155,7 +178,7 @@ class Family:
         largest_is_worst = name.endswith("peak") or name == "gain_reduction"
         index = int(np.argmax(values) if largest_is_worst else np.argmin(values))
         frequency = self.margins[self.margins._fields.index(name) + 1][loop, index]
-        at = None if np.isnan(frequency) else plant_point(self.plants, index, frequency)
+        at = None if np.isnan(frequency) else self._point(index, frequency)
         return float(values[index]), at
 
     def first_unstable(self) -> PlantPoint | None:
@@ -165,7 +188,28 @@ class Family:
             return None
         plants = self.plants
         order = np.lexsort((-plants.tau_a[index], -plants.delay[index], plants.mass[index]))
-        return plant_point(plants, int(index[order[0]]), float("nan"))
+        return self._point(int(index[order[0]]), float("nan"))
+
+    def joined(self, members: Family) -> Family:
+        """Return the family with its measured members behind the box's plants."""
+
+        def both(key: str) -> BoolArray:
+            return frozen(np.concatenate([getattr(self, key), getattr(members, key)]))
+
+        plants = zip(self.plants, members.plants, strict=True)
+        margins = zip(self.margins, members.margins, strict=True)
+        return Family(
+            path=self.path,
+            plants=type(self.plants)(*map(np.concatenate, plants)),
+            velocity_stable=both("velocity_stable"),
+            stable=both("stable"),
+            decided=both("decided"),
+            margins=type(self.margins)(*(frozen(np.concatenate(pair, axis=1)) for pair in margins)),
+            responses=members.responses,
+        )
+
+    def _point(self, index: int, frequency: float) -> PlantPoint:
+        return plant_point(self.plants, index, frequency, self.responses)
 
 
 @dataclass(frozen=True)
@@ -181,7 +225,10 @@ class Check:
 
 @dataclass(frozen=True)
 class SweepResult:
-    """Both conditions and the true family's margins for one set of gains."""
+    """Both conditions and the true family's margins for one set of gains.
+
+    ``plants`` are those of the box; measured ``members`` stand beside or instead of them.
+    """
 
     study: ResolvedStudy
     gains: Gains
@@ -193,6 +240,7 @@ class SweepResult:
     sampled: Family | None  # as it runs; None where some delay leaves no room for the hold
     noise_gain: float  # N/m, rms of F_ref per rms of position noise
     checks: tuple[Check, ...]
+    members: Members | None = None
 
     @property
     def conditions(self) -> tuple[Condition, Condition]:

@@ -3,16 +3,18 @@
 from __future__ import annotations
 
 import json
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from mptune.files import write_whole_with
 from mptune.loops.broken import NAMES
 from mptune.params.gains import version
+from mptune.robust.measured import whole_family
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     import xarray as xr
+    from numpy.typing import NDArray
 
     from mptune.robust.result import SweepResult
 
@@ -30,6 +32,9 @@ def to_dataset(result: SweepResult) -> xr.Dataset:
     import numpy as np
     import xarray as xr
 
+    members = result.members
+    plants = whole_family(result.plants, members)
+    count = len(plants.mass)
     per_frequency = ("condition", "frequency")
     data: dict[str, xr.DataArray] = {}
     for name, meaning in (
@@ -47,14 +52,14 @@ def to_dataset(result: SweepResult) -> xr.Dataset:
     )
     families = [*result.families, *([result.sampled] if result.sampled else [])]
     for name in families[0].margins._fields:
-        values = np.stack([getattr(family.margins, name) for family in families])
+        values = np.stack([_padded(getattr(family.margins, name), count) for family in families])
         unit = _MARGIN_UNITS.get(name, _MARGIN_UNITS.get(name.rsplit("_", 1)[-1], "1"))
         data[name] = xr.DataArray(values, dims=("path", "loop", "plant"), attrs={"units": unit})
     data["stable"] = xr.DataArray(
-        np.stack([family.stable for family in families]).astype(np.int8),
+        np.stack([_padded(family.stable, count, fill=-1) for family in families]),
         dims=("path", "plant"),
-        attrs={"long_name": "1 where the whole closed loop is certainly stable"},
-    )
+        attrs={"long_name": "1 where the whole closed loop is certainly stable, -1 not asked"},
+    ).astype(np.int8)
     coordinates: dict[str, object] = {
         "condition": ["velocity", "position"],
         "loop": list(NAMES),
@@ -62,9 +67,24 @@ def to_dataset(result: SweepResult) -> xr.Dataset:
         "frequency": xr.DataArray(result.omega, dims="frequency", attrs={"units": "rad/s"}),
     }
     for name, unit in _UNITS.items():
-        column = getattr(result.plants, name)
+        column = getattr(plants, name)
         coordinates[name] = xr.DataArray(column, dims="plant", attrs={"units": unit})
+    if members is not None:
+        names = [""] * len(result.plants.mass) + list(members.names)
+        attributes = {"long_name": "measured response behind the plant"}
+        coordinates["response"] = xr.DataArray(names, dims="plant", attrs=attributes)
     return xr.Dataset(data, coordinates, _attributes(result))
+
+
+def _padded(values: NDArray[Any], count: int, fill: float = float("nan")) -> NDArray[Any]:
+    """Return figures of a family with room for the box's plants that it leaves out, in front."""
+    import numpy as np
+
+    left_out = count - values.shape[-1]
+    if left_out == 0:
+        return values
+    room = np.full((*values.shape[:-1], left_out), fill)
+    return np.concatenate([room, values], axis=-1)
 
 
 def _attributes(result: SweepResult) -> dict[str, str]:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
@@ -26,6 +26,7 @@ from mptune.params.pack import (
 from mptune.robust.condition import Sides, sides
 from mptune.robust.grid import first_grid, frequency_range, refinement
 from mptune.robust.margins import Margins, family_margins, sampled_margins
+from mptune.robust.measured import Members, members_of, whole_family
 from mptune.robust.result import Condition, Family, Status, SweepResult, plant_point
 from mptune.robust.verdict import allowed_ratio, check_requirements
 
@@ -59,20 +60,23 @@ def sweep(study: ResolvedStudy, gains: Gains | None = None) -> SweepResult:
     plants, nominal = plants_of(study), pack_nominal(study)
     packed, path = pack_gains(gains), pack_path(study)
     share_a = study.study.cylinder.share_a
+    members = members_of(study, plants)
     limits = (study.study.requirements.velocity_ratio, study.study.requirements.position_ratio)
 
-    omega, found, converged = _refined_sides(plants, nominal, share_a, packed, path, limits)
+    omega, found, converged = _refined_sides(
+        plants, nominal, share_a, packed, path, limits, members
+    )
     paths = {"none": NO_PATH, "filters": pack_filters(study.study.controller)}
     families = tuple(
-        _family(name, omega, plants, share_a, packed, one) for name, one in paths.items()
+        _family(name, omega, plants, share_a, packed, one, members) for name, one in paths.items()
     )
     true = next(family for family in families if paths[family.path] == path)
     period = study.study.controller.sampling_period
     sampled = _sampled_family(omega, plants, share_a, packed, paths["filters"], period)
     noise = noise_gain(packed, paths["filters"])
-    conditions = _conditions(
-        omega, found, plants, limits, converged, _premises(nominal, packed, path, true)
-    )
+    whole, names = whole_family(plants, members), members.names if members else ()
+    premises = _premises(nominal, packed, path, true)
+    conditions = _conditions(omega, found, whole, names, limits, converged, premises)
     return SweepResult(
         study=study,
         gains=gains,
@@ -84,6 +88,7 @@ def sweep(study: ResolvedStudy, gains: Gains | None = None) -> SweepResult:
         sampled=sampled,
         noise_gain=noise,
         checks=check_requirements(study.study.requirements, conditions, true, sampled, noise),
+        members=members,
     )
 
 
@@ -94,11 +99,14 @@ def _refined_sides(
     gains: LoopGains,
     path: MeasurementPath,
     limits: tuple[float | RatioCurve, ...],
+    members: Members | None,
 ) -> tuple[FloatArray, Sides, tuple[bool, bool]]:
     """Evaluate both conditions on a grid that is refined until the worst ratios stand still."""
     low, high = frequency_range(plants, nominal, gains)
     omega = first_grid(low, high)
-    found = sides(omega, plants, nominal, share_a, gains, path)
+    if members is not None:
+        omega = np.union1d(omega, members.omega)  # where interpolated curves have their corners
+    found = sides(omega, plants, nominal, share_a, gains, path, members)
     quiet = np.zeros(4, np.int64)  # rounds in a row in which a maximum stood still
     for _ in range(_ROUNDS):
         curves = _curves(found, omega, limits)
@@ -110,7 +118,8 @@ def _refined_sides(
         omega = np.concatenate([omega, added])
         order = np.argsort(omega)
         omega = omega[order]
-        found = _merged(found, sides(added, plants, nominal, share_a, gains, path), order)
+        finer = sides(added, plants, nominal, share_a, gains, path, members)
+        found = _merged(found, finer, order)
         curves = _curves(found, omega, limits)
         after = curves.max(axis=1)
         narrow = np.array([_bracket(omega, curve) <= _NARROW for curve in curves])
@@ -159,11 +168,34 @@ def _family(
     share_a: float,
     gains: LoopGains,
     path: MeasurementPath,
+    members: Members | None,
 ) -> Family:
     """Return stability and margins of the true family with one measurement path."""
-    velocity = count_unstable_poles(FamilyLoops(VELOCITY, plants, share_a, gains, path))
-    whole = count_unstable_poles(FamilyLoops(FORCE, plants, share_a, gains, path))
-    margins = family_margins(omega, plants, share_a, gains, path)
+    parts = []
+    if members is None or not members.instead:
+        counts = [
+            count_unstable_poles(FamilyLoops(which, plants, share_a, gains, path))
+            for which in (VELOCITY, FORCE)
+        ]
+        margins = family_margins(omega, plants, share_a, gains, path)
+        parts.append(_part(name, plants, counts, margins))
+    if members is not None:
+        from mptune.robust.measured_loops import count_members, member_margins
+
+        counts = [count_members(which, members, gains, path) for which in (VELOCITY, FORCE)]
+        margins = member_margins(members, gains, path)
+        parts.append(_part(name, members.plants(), counts, margins, members.names))
+    return parts[0] if len(parts) == 1 else parts[0].joined(parts[1])
+
+
+def _part(
+    name: str,
+    plants: Plants,
+    counts: list[PoleCount],
+    margins: Margins,
+    responses: tuple[str, ...] = (),
+) -> Family:
+    velocity, whole = counts
     unstable = np.stack([~velocity.stable, ~whole.stable, ~whole.stable])
     masked = Margins(*(frozen(np.where(unstable, np.nan, figure)) for figure in margins))
     return Family(
@@ -173,6 +205,7 @@ def _family(
         stable=frozen(whole.stable),
         decided=frozen(velocity.decided & whole.decided),
         margins=masked,
+        responses=responses,
     )
 
 
@@ -203,35 +236,52 @@ def _sampled_family(
     )
 
 
+class _Premise(NamedTuple):
+    """What a condition rests on: the nominal loop's poles, and the same number in all open loops.
+
+    ``known`` is False where no open loop has been found to differ, but some are undecided.
+    """
+
+    nominal: PoleCount
+    equal: bool
+    known: bool
+
+
 def _premises(
     nominal: NominalPlant, gains: LoopGains, path: MeasurementPath, true: Family
-) -> tuple[tuple[PoleCount, bool], tuple[PoleCount, bool]]:
-    """Return, for each condition, the nominal closed loop's poles and equality of open loops.
+) -> tuple[_Premise, _Premise]:
+    """Return the premises of each condition.
 
-    The velocity plants of Eq. 14 and 15 have no open-loop pole right of the origin at all. Those of
-    the position loop, Eq. 19, are the closed-loop poles of the velocity loops.
+    The velocity plants of Eq. 14 and 15 have no open-loop pole right of the origin at all, and a
+    response can only be measured where that is so. Those of the position loop, Eq. 19, are the
+    closed-loop poles of the velocity loops.
     """
     one = nominal_plants(nominal)
     velocity = count_unstable_poles(FamilyLoops(VELOCITY, one, 0.5, gains, path))
     position = count_unstable_poles(FamilyLoops(FORCE, one, 0.5, gains, path))
     equal = bool(velocity.stable[0] and true.velocity_stable.all())
-    return (velocity, True), (position, equal)
+    known = equal or bool(np.any(~true.velocity_stable & true.decided))
+    return (
+        _Premise(velocity, equal=True, known=True),
+        _Premise(position, equal=equal, known=known),
+    )
 
 
 def _conditions(
     omega: FloatArray,
     found: Sides,
     plants: Plants,
+    responses: tuple[str, ...],
     limits: tuple[float | RatioCurve, ...],
     converged: tuple[bool, bool],
-    premises: tuple[tuple[PoleCount, bool], tuple[PoleCount, bool]],
+    premises: tuple[_Premise, _Premise],
 ) -> tuple[Condition, Condition]:
     conditions = []
     for loop, name in enumerate(("velocity", "position")):
         allowed = allowed_ratio(limits[loop], omega)
         ratio = found.ratio[loop]
         worst, use = int(np.argmax(ratio)), int(np.argmax(ratio / allowed))
-        nominal, equal = premises[loop]
+        premise = premises[loop]
         worst_use = float(ratio[use] / allowed[use])
         conditions.append(
             Condition(
@@ -242,22 +292,23 @@ def _conditions(
                 plant_ratio=frozen(found.plant_ratio[loop]),
                 allowed=frozen(allowed),
                 worst_ratio=float(ratio[worst]),
-                at=plant_point(plants, found.plant[loop, worst], omega[worst]),
+                at=plant_point(plants, found.plant[loop, worst], omega[worst], responses),
                 worst_use=worst_use,
-                worst_use_at=plant_point(plants, found.plant[loop, use], omega[use]),
+                worst_use_at=plant_point(plants, found.plant[loop, use], omega[use], responses),
                 low_frequency_limit=worst == 0,
-                nominal_stable=bool(nominal.stable[0]),
-                poles_equal=equal,
-                status=_status(nominal, worst_use, converged=converged[loop], equal=equal),
+                nominal_stable=bool(premise.nominal.stable[0]),
+                poles_equal=premise.equal,
+                status=_status(premise, worst_use, converged=converged[loop]),
             )
         )
     return conditions[0], conditions[1]
 
 
-def _status(nominal: PoleCount, worst_use: float, *, converged: bool, equal: bool) -> Status:
-    if not nominal.decided[0]:
+def _status(premise: _Premise, worst_use: float, *, converged: bool) -> Status:
+    nominal = premise.nominal
+    if not nominal.decided[0] or (nominal.stable[0] and not premise.known):
         return Status.UNDECIDED
-    if not nominal.stable[0] or not equal:
+    if not nominal.stable[0] or not premise.equal:
         return Status.UNSTABLE
     if worst_use > 1:
         return Status.VIOLATED

@@ -20,13 +20,30 @@ def place_text(at: PlantPoint | None) -> str:
     """Return a plant and a frequency in one line for print."""
     if at is None:
         return "—"
-    text = (
-        f"{at.mass_kg / 1e3:g} t, d {1e3 * at.delay_s:.4g} ms, "
-        f"τ {1e3 * at.tau_a_s:.3g}/{1e3 * at.tau_b_s:.3g} ms"
+    text = f"{at.mass_kg / 1e3:g} t, " + (
+        f"measured {at.response}"
+        if at.response
+        else f"d {1e3 * at.delay_s:.4g} ms, τ {1e3 * at.tau_a_s:.3g}/{1e3 * at.tau_b_s:.3g} ms"
     )
     if np.isnan(at.frequency_rad_s):
         return text
     return f"{text}, ω {at.frequency_rad_s:.3g} rad/s"
+
+
+def undecided_text(sweep: SweepResult) -> str | None:
+    """Return which measured responses leave stability undecided, and what would decide it."""
+    names: set[str] = set()
+    for family in sweep.families:
+        first = len(family.decided) - len(family.responses)
+        pairs = zip(family.responses, family.decided[first:], strict=True)
+        names.update(name for name, decided in pairs if not decided)
+    if not names:
+        return None
+    return (
+        f"UNDECIDED around measured {', '.join(sorted(names))}: not taken for stable. The loop has "
+        "to be above 2 at the start of the band and below 1/2 at its end, and the measured points "
+        "dense enough to tell on which side of the critical point it passes."
+    )
 
 
 def margin_rows(sweep: SweepResult) -> list[tuple[str, list[str]]]:

@@ -44,6 +44,16 @@ PROMISED_KEYS = {
         "seeds",
         "repeats",
     },
+    "identification": {
+        "amplitude",
+        "frequency",
+        "frequencies",
+        "positions",
+        "velocities",
+        "pressures",
+        "oil_bulk_moduli",
+        "valve_delays",
+    },
 }
 NUMBERS_OF_THEIR_OWN = {
     "Load.table",

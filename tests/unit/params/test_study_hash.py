@@ -19,7 +19,13 @@ def test_the_hash_does_not_tell_a_litre_from_a_thousand_cubic_centimetres(study_
 
 @pytest.mark.parametrize(
     "override",
-    ["gains.xi=0.7", "verification.repeats=3", "title=another", 'sources={cylinder="assumed"}'],
+    [
+        "gains.xi=0.7",
+        "verification.repeats=3",
+        'identification.valve_delays=["5 ms"]',
+        "title=another",
+        'sources={cylinder="assumed"}',
+    ],
 )
 def test_what_is_no_part_of_the_model_does_not_change_the_hash(study_file, boom, override):
     assert load_study(study_file, [override]).hash() == boom.hash()

@@ -1,0 +1,44 @@
+"""The force loop identified, stored and drawn."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mptune.files import make_folder, write_whole
+from mptune.identify.identify import check, identify
+from mptune.identify.store import write_identification
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+    from pathlib import Path
+
+    from mptune.identify.excitation import Excitation
+    from mptune.identify.result import IdentifyResult
+    from mptune.params.study import ResolvedStudy
+
+
+def identify_study(
+    study: ResolvedStudy,
+    excitation: Excitation,
+    out: Path,
+    progress: Callable[[str, float], None] = lambda *_: None,
+) -> tuple[IdentifyResult, tuple[Path, ...]]:
+    """Simulate the force loop's frequency response, store it, and draw Fig. 3.
+
+    There is a figure for each valve delay.
+    """
+    from mptune.figures.identification import bode_panels
+    from mptune.figures.style import to_svg
+
+    check(study)
+    folder = make_folder(out / study.name)
+    progress("identify", 0.0)
+    result = identify(study, excitation, lambda share: progress("identify", share))
+    progress("figures", 0.0)
+    files = [write_identification(folder / "identification.nc", result)]
+    for delay in study.study.identification.valve_delays:
+        panels = tuple(panel for panel in result.panels if panel.valve_delay_s == delay)
+        name = f"identification-{1e3 * delay:g}ms" if delay else "identification"
+        files.append(write_whole(folder / f"{name}.svg", to_svg(bode_panels(panels))))
+    progress("figures", 1.0)
+    return result, tuple(files)

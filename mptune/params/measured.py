@@ -1,0 +1,184 @@
+"""Measured responses of the force loop, from CSV files.
+
+One line of headings, ``name [unit]``, upper or lower case:
+
+==============  ==========================  ===============================================
+column          names                       unit
+==============  ==========================  ===============================================
+frequency       frequency, freq, f, omega   rad/s or Hz, to be written
+magnitude       magnitude, gain, amplitude  dB, or 1 (also - or abs); to be written
+phase           phase                       deg or rad, to be written
+real part       real, re                    1 (also -), or nothing
+imaginary part  imaginary, imag, im         1 (also -), or nothing
+coherence       coherence                   1 (also -), or nothing; the column may be missing
+==============  ==========================  ===============================================
+
+Either magnitude and phase or real and imaginary part. Frequencies are positive and rise. Any other
+column is refused, so that no misspelt one is overlooked.
+
+In a study, ``measured`` under ``[uncertainty]`` names such files. They are read at once, so that
+the study, and its hash, hold what it was judged on. Each is the response from force reference,
+before the hold of the sampled controller, to force: it holds G_F and the whole delay.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any, NamedTuple
+
+import numpy as np
+
+from mptune.errors import Fault, InputError
+from mptune.params.section import Section
+from mptune.params.table import Table, read_table
+from mptune.units import UnitError, parse_quantity
+
+if TYPE_CHECKING:
+    from pathlib import Path
+
+    from mptune.arrays import ComplexArray, FloatArray
+
+_FEWEST_ROWS = 4
+_NAMES = {
+    "frequency": ("frequency", "freq", "f", "omega", "ω"),
+    "magnitude": ("magnitude", "gain", "amplitude"),
+    "phase": ("phase",),
+    "real": ("real", "re"),
+    "imaginary": ("imaginary", "imag", "im"),
+    "coherence": ("coherence",),
+}
+_PLAIN = {"1", "-", "abs"}
+_EXAMPLE = "frequency [rad/s],magnitude [dB],phase [deg]"
+
+
+class MeasuredResponse(Section):
+    """A measured response that is a member of the true family."""
+
+    name: str
+    rows: tuple[tuple[float, float, float], ...]  # rad/s, real part, imaginary part
+
+
+class ResponseTable(NamedTuple):
+    """A frequency response as a file holds it."""
+
+    omega: FloatArray  # (F,) rad/s
+    response: ComplexArray  # (F,)
+    coherence: FloatArray  # (F,), NaN where not known
+
+
+def read_measured(study: Path, values: dict[str, Any]) -> None:
+    """Replace the files that ``measured`` names, in each uncertainty set, by their rows, in place.
+
+    Paths are taken from the study's folder.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read or breaks a rule.
+    """
+    uncertainty = values.get("uncertainty")
+    if not isinstance(uncertainty, dict):
+        return
+    sets = uncertainty.get("sets")
+    others = list(sets.values()) if isinstance(sets, dict) else []
+    for box in (uncertainty, *others):
+        if not isinstance(box, dict) or not isinstance(box.get("measured"), list):
+            continue
+        box["measured"] = [
+            _member(study.parent, file) if isinstance(file, str) else file
+            for file in box["measured"]
+        ]
+
+
+def _member(folder: Path, file: str) -> dict[str, Any]:
+    path = folder / file
+    table = read_response_table(path)
+    if not np.all(np.abs(table.response) > 0):
+        rule = "has a magnitude of zero, which has no phase"
+        raise InputError(path, Fault("response", "", rule, "leave that row out"))
+    rows = zip(table.omega, table.response.real, table.response.imag, strict=True)
+    return {"name": path.stem, "rows": [[float(cell) for cell in row] for row in rows]}
+
+
+def read_response_table(path: Path) -> ResponseTable:
+    """Return the frequency response of a CSV file; the module's docstring has its rules.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read or breaks a rule.
+    """
+    table = read_table(path)
+    found = _columns(path, table)
+    values = {role: table.columns[index] * scale for role, (index, scale) in found.items()}
+    omega = values["frequency"]
+    if len(omega) < _FEWEST_ROWS:
+        rule = f"has {len(omega)} rows where {_FEWEST_ROWS} are needed at least"
+        raise InputError(path, Fault("", "", rule, "measure at more frequencies"))
+    if "real" in values:
+        response = values["real"] + 1j * values["imaginary"]
+    else:
+        decibels = table.units[found["magnitude"][0]].lower() == "db"
+        magnitude = 10 ** (values["magnitude"] / 20) if decibels else values["magnitude"]
+        response = magnitude * np.exp(1j * values["phase"])
+    coherence = values.get("coherence", np.full(len(omega), np.nan))
+    _check(path, omega, response, coherence)
+    return ResponseTable(omega, response, coherence)
+
+
+def _check(path: Path, omega: FloatArray, response: ComplexArray, coherence: FloatArray) -> None:
+    with np.errstate(invalid="ignore"):
+        falls = np.diff(omega, prepend=0.0) <= 0
+    rules = (
+        (~np.isfinite(omega) | (omega <= 0), "has no frequency above 0"),
+        (~np.isfinite(response), "has no response"),
+        (
+            falls,
+            "has a frequency that does not come after the one before",
+        ),
+        ((coherence < 0) | (coherence > 1), "has a coherence that is not within 0 and 1"),
+    )
+    for broken, rule in rules:
+        if broken.any():
+            row = f"row {int(np.argmax(broken)) + 1}"
+            raise InputError(path, Fault(row, "", rule, "mend it, or leave the row out"))
+
+
+def _columns(path: Path, table: Table) -> dict[str, tuple[int, float]]:
+    """Return place and factor of each column by its role."""
+    found: dict[str, tuple[int, float]] = {}
+    for index, (label, unit) in enumerate(zip(table.labels, table.units, strict=True)):
+        role = next((role for role, names in _NAMES.items() if label.lower() in names), "")
+        if not role or role in found:
+            rule = "is read already" if role else "is no column of a frequency response"
+            remedy = f"remove it, or write headings like {_EXAMPLE}"
+            raise InputError(path, Fault("header", label, rule, remedy))
+        found[role] = index, _scale(path, role, label, unit)
+    pairs = ({"magnitude", "phase"}, {"real", "imaginary"})
+    held = [pair & set(found) for pair in pairs]
+    if "frequency" not in found or sorted(map(len, held)) != [0, 2]:
+        rule = f"is {','.join(table.labels)}"
+        remedy = f"write a frequency and either pair, like {_EXAMPLE}"
+        raise InputError(path, Fault("header", "", rule, remedy))
+    return found
+
+
+def _scale(path: Path, role: str, label: str, unit: str) -> float:
+    if role in {"real", "imaginary", "coherence"} and (not unit or unit in _PLAIN):
+        return 1.0
+    if role == "magnitude" and (unit in _PLAIN or unit.lower() == "db"):
+        return 1.0
+    if role in {"frequency", "phase"}:
+        try:
+            return _factor(role, unit)
+        except UnitError as error:
+            raise InputError(path, Fault("header", label, error.rule, error.remedy)) from error
+    rule = f"has the unit {unit!r}" if unit else "has no unit"
+    raise InputError(path, Fault("header", label, rule, "write dB or 1; a force over a force"))
+
+
+def _factor(role: str, unit: str) -> float:
+    if role == "phase":
+        return parse_quantity(f"1 {unit}", "rad")
+    if unit.endswith("Hz"):
+        return 2 * np.pi * parse_quantity(f"1 {unit}", "Hz")
+    return parse_quantity(f"1 {unit}", "rad/s")

@@ -1,0 +1,183 @@
+"""Stability and margins of the loops around measured force responses.
+
+The turns of 1 + L about the origin are counted along the measured band, finely interpolated. What
+the band leaves out is closed so:
+
+* **Below.** The loop has to be above 2 at the band's start, and its integrators are known to make
+  it larger still. The force response is continued with magnitude and delay of its first point, and
+  may be off by half anywhere.
+* **Above.** The loop has to be below 1/2 at the band's end, and is taken to stay there: nobody
+  measured it.
+
+Where this is not so, where interpolation could be off by as much as the distance to the critical
+point, or where the phase turns by more than 90° between points, the count is undecided and counts
+as not stable. Margins are those within the band.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.arrays import ComplexArray, FloatArray, frozen, kernel
+from mptune.loops.broken import loop_around
+from mptune.loops.family import FamilyLoops
+from mptune.loops.stability import PoleCount
+from mptune.params.pack import LoopGains, MeasurementPath, Plants
+from mptune.robust.margins import Margins
+
+if TYPE_CHECKING:
+    from mptune.robust.measured import ForceResponse, Members
+
+_FINE = 32  # steps between two measured points
+_BELOW = 600  # points of the continuation
+_OFF_BELOW = 0.5  # relative error of the continuation
+_ARC: ComplexArray = np.exp(1j * np.linspace(0, np.pi / 2, 33))
+
+
+@kernel
+def _loops(
+    which: int,
+    s: ComplexArray,
+    force: ComplexArray,
+    mass: float,
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> ComplexArray:
+    values = np.empty(len(s), np.complex128)
+    for k in range(len(s)):
+        values[k] = loop_around(which, s[k], force[k] / (mass * s[k]), gains, path)
+    return values
+
+
+def fine_grid(response: ForceResponse) -> FloatArray:
+    """Return the measured frequencies with steps between them, ``((K − 1)·_FINE + 1,)``."""
+    place = np.arange((len(response.omega) - 1) * _FINE + 1) / _FINE
+    fine = np.exp(np.interp(place, np.arange(len(response.omega)), np.log(response.omega)))
+    fine[0], fine[-1] = response.omega[0], response.omega[-1]
+    return fine
+
+
+def count_members(
+    which: int, members: Members, gains: LoopGains, path: MeasurementPath
+) -> PoleCount:
+    """Count each member's closed-loop poles in the right half plane.
+
+    Parameters
+    ----------
+    which
+        ``VELOCITY`` or ``FORCE``.
+    members, gains, path
+        The measured members, the gains and the measurement path.
+    """
+    counts = [
+        _count(which, response, mass, gains, path)
+        for response in members.responses
+        for mass in members.masses
+    ]
+    unstable, decided = zip(*counts, strict=True)
+    return PoleCount(frozen(np.array(unstable, np.int64)), frozen(np.array(decided)))
+
+
+def _count(
+    which: int, response: ForceResponse, mass: float, gains: LoopGains, path: MeasurementPath
+) -> tuple[int, bool]:
+    start = _start(which, response, mass, gains, path)
+    if start is None:
+        return 0, False
+    first = response.omega[0]
+    below = np.concatenate([start * _ARC, 1j * np.geomspace(start, first, _BELOW)[1:-1]])
+    fine = fine_grid(response)
+    s = np.concatenate([below, 1j * fine])
+    force = np.concatenate([_continued(response, below), response.at(fine)])
+    loop = _loops(which, s, force, mass, gains, path)
+    doubt = np.full(len(s), _OFF_BELOW)
+    doubt[len(below) :] = np.append(np.repeat(response.doubt, _FINE), response.doubt[-1])
+    distance = np.abs(1 + loop)
+    turned = np.angle((1 + loop[1:]) / (1 + loop[:-1]))
+    poles = -(turned.sum() - np.angle(1 + loop[-1])) / np.pi  # twice the half contour, over 2π
+    whole = round(poles)
+    decided = (
+        np.all(doubt * np.abs(loop) < distance)
+        and np.all(np.abs(turned) < np.pi / 2)
+        and abs(loop[len(below)]) > 2
+        and abs(loop[-1]) < 0.5
+        and abs(poles - whole) < 1e-3
+        and whole >= 0
+    )
+    return max(whole, 0), bool(decided)
+
+
+def _continued(response: ForceResponse, s: ComplexArray) -> ComplexArray:
+    """Return the force response below the band: magnitude and delay of its first point."""
+    first = response.at(response.omega[:1])[0]
+    return np.asarray(np.abs(first) * np.exp(np.angle(first) * s / response.omega[0]))
+
+
+def _start(
+    which: int, response: ForceResponse, mass: float, gains: LoopGains, path: MeasurementPath
+) -> float | None:
+    """Return a radius on whose half circle the loop is its leading term c/s^k, or None."""
+    one = Plants(np.array([mass]), *(np.zeros(1) for _ in range(3)))
+    known = FamilyLoops(which, one, 0.5, gains, path)
+    leading = known.leading[0] * abs(response.response[0])
+    radius = 0.5 * float(response.omega[0])
+    for _ in range(200):
+        s: ComplexArray = radius * _ARC
+        loop = _loops(which, s, _continued(response, s), mass, gains, path)
+        near = np.abs(loop * s**known.integrators / leading - 1) <= 0.5
+        if near.all() and np.abs(loop).min() >= 4:
+            return radius
+        radius *= 0.5
+    return None
+
+
+def member_margins(members: Members, gains: LoopGains, path: MeasurementPath) -> Margins:
+    """Return the margins of every member within its band, three loops by M members each."""
+    table = np.empty((3, len(members), len(Margins._fields)))
+    for place, response in enumerate(members.responses):
+        omega = fine_grid(response)
+        force, axis = response.at(omega), np.asarray(1j * omega, np.complex128)
+        for row, mass in enumerate(members.masses):
+            for which in range(3):
+                loop = _loops(which, axis, force, mass, gains, path)
+                table[which, place * len(members.masses) + row] = margins_of_curve(omega, loop)
+    return Margins(*np.moveaxis(table, 2, 0))
+
+
+def margins_of_curve(omega: FloatArray, loop: ComplexArray) -> FloatArray:
+    """Return the margins of one loop gain, in the order of ``Margins``, from a fine curve.
+
+    Peaks are those of the points and crossings lie on the chords between them: both err by the
+    square of the step.
+    """
+    row = np.full(len(Margins._fields), np.nan)
+    sizes = (1 / np.abs(1 + loop), np.abs(loop / (1 + loop)), 0.5 * np.abs((1 - loop) / (1 + loop)))
+    for column, size in zip((0, 2, 12), sizes, strict=True):
+        row[column : column + 2] = size.max(), omega[np.argmax(size)]
+    row[12] = 1 / row[12]
+    row[4], row[6], row[8], row[10] = np.inf, 0.0, np.inf, np.inf
+    at, gain = _crossings(omega, loop, loop.imag)
+    factor = -1 / gain.real
+    for column, kept in ((4, factor >= 1), (6, (factor > 0) & (factor < 1))):
+        if kept.any():
+            best = factor[kept].min() if column == 4 else factor[kept].max()
+            row[column : column + 2] = best, at[kept][factor[kept] == best][0]
+    at, gain = _crossings(omega, loop, np.log(np.abs(loop)))
+    if len(at):
+        lag = (np.angle(gain) + np.pi) % (2 * np.pi)
+        phase, delay = np.minimum(lag, 2 * np.pi - lag), lag / at
+        row[8:10] = phase.min(), at[np.argmin(phase)]
+        row[10:12] = delay.min(), at[np.argmin(delay)]
+    return row
+
+
+def _crossings(
+    omega: FloatArray, loop: ComplexArray, height: FloatArray
+) -> tuple[FloatArray, ComplexArray]:
+    """Return frequencies and loop gains where ``height`` crosses zero."""
+    low = np.flatnonzero((height[:-1] < 0) != (height[1:] < 0))
+    share = height[low] / (height[low] - height[low + 1])
+    at = omega[low] + share * (omega[low + 1] - omega[low])
+    return at, loop[low] + share * (loop[low + 1] - loop[low])
