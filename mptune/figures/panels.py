@@ -36,7 +36,10 @@ _POINTS = 300
 
 
 def four_panels(result: SweepResult) -> Figure:
-    """Draw Fig. 5 for one sweep: inequalities on the left, step responses on the right."""
+    """Draw Fig. 5 for one sweep: inequalities on the left, step responses on the right.
+
+    Measured members stand in the inequalities; the steps are those of the box's plants.
+    """
     with style():
         figure = new_figure(6.2)
         axes = figure.subplots(2, 2)

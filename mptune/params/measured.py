@@ -26,6 +26,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
+from pydantic import Field
 
 from mptune.errors import Fault, InputError
 from mptune.params.section import Section
@@ -53,8 +54,10 @@ _EXAMPLE = "frequency [rad/s],magnitude [dB],phase [deg]"
 class MeasuredResponse(Section):
     """A measured response that is a member of the true family."""
 
-    name: str
-    rows: tuple[tuple[float, float, float], ...]  # rad/s, real part, imaginary part
+    name: str = Field(description="the file's name")
+    rows: tuple[tuple[float, float, float], ...] = Field(
+        description="frequencies [rad/s], real and imaginary parts"
+    )
 
 
 class ResponseTable(NamedTuple):

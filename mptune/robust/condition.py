@@ -77,9 +77,8 @@ def sides(
         )
         return Sides(np.sqrt(left), plant, right, np.sqrt(ratio), frequency)
     asked = np.flatnonzero(~members.replaces(omega))
-    found = _family_errors(
-        omega[asked], factors, nominal.delay, share_a, loops[0, asked], 1 / right[:, asked]
-    )
+    weight = np.ascontiguousarray(1 / right[:, asked])
+    found = _family_errors(omega[asked], factors, nominal.delay, share_a, loops[0, asked], weight)
     return _with_members(found, asked, members.errors(omega, nominal, loops[0]), right)
 
 

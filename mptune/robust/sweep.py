@@ -170,7 +170,11 @@ def _family(
     path: MeasurementPath,
     members: Members | None,
 ) -> Family:
-    """Return stability and margins of the true family with one measurement path."""
+    """Return stability and margins of the true family with one measurement path.
+
+    Where measured members stand instead of the box, the box's plants are not asked: what lies
+    beyond the measured band then rests on the loop being small at its end.
+    """
     parts = []
     if members is None or not members.instead:
         counts = [
