@@ -25,6 +25,7 @@ from mptune.cli.options import (
     UncertaintyOption,
     finish,
 )
+from mptune.cli.tune import tune
 
 BAD_INPUT, UNFINISHED, INTERRUPTED = 2, 3, 130
 
@@ -68,6 +69,7 @@ def run(
     if json:
         show.as_json(result.json())
     else:
+        tuned(result.tuned)
         show.job(result)
         show_chain.chain(result.chain)
         show.files(result.files)
@@ -107,31 +109,6 @@ def sweep(
 
 
 @app.command()
-def tune(
-    study: StudyArgument,
-    override: SetOption = None,
-    uncertainty: UncertaintyOption = "",
-    out: OutOption = OUT,
-    json: JsonOption = False,
-    quiet: QuietOption = False,
-) -> None:
-    """Find gains that satisfy the requirements."""
-    from mptune.cli import show
-    from mptune.job.tune import tune_study
-    from mptune.params.load import load_study
-
-    loaded = load_study(study, override or (), uncertainty)
-    with show.progress(quiet=quiet) as report:
-        result, files = tune_study(loaded, out, report)
-    if json:
-        show.as_json(result.json())
-    else:
-        show.tuned(result)
-        show.files(files)
-    finish(met=result.sweep.satisfied)
-
-
-@app.command()
 def verify(
     study: StudyArgument,
     gains: Annotated[
@@ -162,6 +139,7 @@ def verify(
     finish(met=result.satisfied)
 
 
+app.command()(tune)
 app.command()(identify)
 
 

@@ -17,16 +17,14 @@ from rich.text import Text
 from mptune.params.paper import LEDGER
 from mptune.robust.result import Status
 from mptune.robust.tables import EQUATIONS, margin_rows, place_text, undecided_text
-from mptune.units import number, shown
+from mptune.units import number
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
 
     from mptune.job.run import JobResult
-    from mptune.params.controller import Gains
     from mptune.robust.result import SweepResult
-    from mptune.tune.result import TuneResult
     from mptune.verify.result import VerifyResult
 
 _PIPE_WIDTH = 120  # columns, where the output is no terminal
@@ -142,38 +140,8 @@ def _requirements(result: SweepResult) -> None:
     console.print(table)
 
 
-def _gains(gains: Gains, before: Gains) -> None:
-    table = new_table("Gains")
-    for heading in ("key", "symbol", "value", "study's own"):
-        table.add_column(heading, justify="right" if heading[0] in "vs" else "left")
-    for key, unit, symbol, _ in gains.quantities():
-        values = (shown(getattr(one, key), unit) for one in (gains, before))
-        table.add_row(key, symbol, *values)
-    console.print(table)
-
-
-def tuned(result: TuneResult) -> None:
-    """Print tuned gains, what they gain, and what limits them."""
-    _gains(result.gains, result.before)
-    before, after = result.figures_before, result.figures
-    good = result.blocking is None
-    console.print("Status:", verdict(result.status.value, good=good))
-    console.print(
-        f"Tracking index {1e3 * before.tracking:.2f} → {1e3 * after.tracking:.2f} ms, "
-        f"K_I,pos {before.integral_gain:.3g} → {after.integral_gain:.3g} 1/s², "
-        f"bandwidth {before.bandwidth:.3g} → {after.bandwidth:.3g} rad/s (continuous, linear)"
-    )
-    if result.blocking is not None:
-        blocking = result.blocking
-        console.print(
-            f"Blocked by {blocking.requirement} at {place_text(blocking.at)}: {blocking.remedy}."
-        )
-    sweep(result.sweep)
-
-
 def job(result: JobResult) -> None:
-    """Print what the whole job found."""
-    tuned(result.tuned)
+    """Print what the whole job found beyond its tuning."""
     table = new_table("Linear check: sampled loop with its filters")
     for heading in ("mass", "valve delay", "index, study's own gains", "index, tuned"):
         table.add_column(heading, justify="right")

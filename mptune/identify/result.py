@@ -36,7 +36,7 @@ class Band(NamedTuple):
 
 BANDS = (Band(0.0, 40.0, 0.5, 8.0), Band(40.0, 200.0, 2.0, 15.0))
 _EDGE = 1.005  # frequencies are moved to whole periods, by less than this: edges are meant so
-_MOST = 0.75  # of the fitted points lie within both limits where theory agrees
+_MOST = 0.9  # of the fitted points lie within both limits where theory agrees
 
 
 @dataclass(frozen=True)

@@ -1,13 +1,18 @@
-"""A study tuned, and its ``gains.toml`` written."""
+"""A study tuned: its ``gains.toml``, and what the gains are compared with."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
 
-from mptune.files import make_folder
+from mptune.errors import Fault, InputError
+from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
 from mptune.params.gains import write_gains
 from mptune.sim.sampled import linear_moves
+from mptune.tune.baselines import Baseline, baselines
+from mptune.tune.front import Front, front
+from mptune.tune.space import STRUCTURES
 from mptune.tune.tuner import tune
 
 if TYPE_CHECKING:
@@ -18,13 +23,79 @@ if TYPE_CHECKING:
     from mptune.tune.result import TuneResult
 
 
+@dataclass(frozen=True)
+class Tuning:
+    """A tuning, and what was compared with it: empty and None where not asked for."""
+
+    tuned: TuneResult
+    compared: tuple[Baseline, ...]
+    front: Front | None
+    files: tuple[Path, ...]
+
+    def json(self) -> dict[str, Any]:
+        """Return the result in SI, units in the keys."""
+        values = self.tuned.json()
+        if self.compared:
+            values["compared"] = [one.json() for one in self.compared]
+        if self.front is not None:
+            values["front"] = self.front.json()
+        return values
+
+
 def tune_study(
-    study: ResolvedStudy, out: Path, progress: Callable[[str, float], None] = lambda *_: None
-) -> tuple[TuneResult, tuple[Path, ...]]:
-    """Tune a study, check the gains on the sampled linear loop, and write ``gains.toml``."""
+    study: ResolvedStudy,
+    out: Path,
+    progress: Callable[[str, float], None] = lambda *_: None,
+    *,
+    structure: str = "eq22",
+    compare: bool = False,
+    points: int = 0,
+) -> Tuning:
+    """Tune a study, check the gains on the sampled linear loop, and write ``gains.toml``.
+
+    Parameters
+    ----------
+    study, out, progress
+        The study, the folder for results, and what is told how far it is.
+    structure
+        Structure of the position controller.
+    compare
+        Whether to tune P, PI and PID as well.
+    points
+        Number of points of the front of tracking against disturbance.
+
+    Raises
+    ------
+    InputError
+        If there is no such structure.
+    OutputError
+        If results cannot be written.
+    """
+    if structure not in STRUCTURES:
+        remedy = f"choose one of {', '.join(STRUCTURES)}"
+        raise InputError("command line", Fault("--structure", structure, "is not known", remedy))
     folder = make_folder(out / study.name)
     progress("tune", 0.0)
-    tuned = tune(study, lambda share: progress("tune", share))
+    tuned = tune(study, lambda share: progress("tune", share), structure=structure)
     moves = linear_moves(study, tuned.gains, tuned.feedforward)
     file = gains_file(tuned.sweep, tuned.feedforward, moves, None)
-    return tuned, (write_gains(folder / "gains.toml", file),)
+    files = [write_gains(folder / "gains.toml", file)]
+    compared: tuple[Baseline, ...] = ()
+    if compare:
+        progress("compare", 0.0)
+        compared = baselines(study, tuned, lambda share: progress("compare", share))
+        files.append(_drawn(folder / "controllers.svg", compared))
+    found = None
+    if points:
+        progress("front", 0.0)
+        found = front(study, points, lambda share: progress("front", share))
+        files.append(_drawn(folder / "front.svg", found))
+    return Tuning(tuned, compared, found, tuple(files))
+
+
+def _drawn(path: Path, what: tuple[Baseline, ...] | Front) -> Path:
+    from mptune.figures.style import to_svg
+    from mptune.figures.tradeoff import compared_controllers, pareto_front
+
+    drawn = pareto_front(what) if isinstance(what, Front) else compared_controllers(what)
+    return write_whole(path, to_svg(drawn))

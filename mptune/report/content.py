@@ -85,7 +85,7 @@ def _status(results: Results) -> str:
         return "The study's own gains were swept; nothing was tuned."
     before, after = results.tuned.figures_before.tracking, results.tuned.figures.tracking
     text = (
-        f"Tuning: {results.tuned.status.value}. Continuous linear tracking index "
+        f"Tuning: {results.tuned.status.value}. Worst linear tracking index "
         f"{1e3 * before:.1f} ms with the study's gains, {1e3 * after:.1f} ms tuned."
     )
     blocking = results.tuned.blocking

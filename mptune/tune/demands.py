@@ -18,13 +18,13 @@ from mptune.loops.noise import noise_gain
 from mptune.loops.sampled import stable_as_sampled
 from mptune.robust.grid import frequency_range
 from mptune.robust.margins import family_margins, sampled_margins
-from mptune.robust.result import PlantPoint, plant_point
 from mptune.robust.sweep import CONVERGED
 from mptune.robust.verdict import allowed_ratio
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
     from mptune.params.pack import LoopGains
+    from mptune.robust.result import PlantPoint
     from mptune.tune.task import Task
 
 WINDOWS = 40  # of frequency, each judged by its largest ratio
@@ -40,6 +40,15 @@ PEAKS = ("sensitivity_peak", "complementary_peak")
 SAMPLED = ("sampled_sensitivity_peak", "gain_margin")
 
 
+def _with(omega: FloatArray, added: FloatArray) -> FloatArray:
+    """Return the frequencies with each added one in the place of its nearest neighbour."""
+    inside = added[(added > omega[0]) & (added < omega[-1])]
+    place = np.searchsorted(0.5 * (omega[1:] + omega[:-1]), inside)
+    moved = omega.copy()
+    moved[place] = inside
+    return moved
+
+
 class Found(NamedTuple):
     """One requirement's worst over the plants asked: excess, plant of the family, frequency."""
 
@@ -52,7 +61,7 @@ class Found(NamedTuple):
         """Return the place; None for requirements that know no plant."""
         if self.plant < 0:
             return None
-        return plant_point(task.plants, self.plant, self.frequency)
+        return task.point(self.plant, self.frequency)
 
 
 class Demands:
@@ -70,10 +79,12 @@ class Demands:
         self._task = task
         low, high = frequency_range(task.plants, task.nominal, start)
         self._omega = np.geomspace(low, high, POINTS)
+        if task.members is not None:
+            self._omega = _with(self._omega, task.members.omega)
         self._coarse = np.geomspace(low, high, _MARGIN_POINTS)
         limit = task.requirements.position_ratio
         self._allowed = np.log(allowed_ratio(limit, self._omega)) + np.log1p(-_IN_HAND)
-        self._envelope = np.unique(task.sides(self._omega, start).plant)
+        self._envelope = self._behind(start)
         corners = task.corners()
         self._true = self._sampled = corners
         self._peaks = tuple(name for name in PEAKS if getattr(task.requirements, name) is not None)
@@ -138,8 +149,7 @@ class Demands:
                 continue
             added = True
             if one.requirement == POSITION:
-                behind = self._task.sides(self._omega, gains).plant[1]
-                self._envelope = np.union1d(self._envelope, behind)
+                self._envelope = np.union1d(self._envelope, self._behind(gains))
             elif one.requirement in PEAKS:
                 self._true = np.union1d(self._true, [one.plant])
             else:
@@ -148,7 +158,16 @@ class Demands:
 
     def _ratio_excess(self, gains: LoopGains, rows: IntArray) -> tuple[FloatArray, IntArray]:
         found = self._task.sides(self._omega, gains, self._task.picked(rows))
-        return np.log(found.ratio[1]) - self._allowed, rows[found.plant[1]]
+        count = len(self._task.plants.mass)
+        of_box = rows[np.minimum(found.plant[1], len(rows) - 1)]
+        members = count + found.plant[1] - len(rows)  # measured ones come after the box's
+        plant = np.where(found.plant[1] < len(rows), of_box, members)
+        return np.log(found.ratio[1]) - self._allowed, plant
+
+    def _behind(self, gains: LoopGains) -> IntArray:
+        """Return the plants of the box behind the envelopes."""
+        plant = np.unique(self._task.sides(self._omega, gains).plant)
+        return plant[plant < len(self._task.plants.mass)]
 
     def _peak_excesses(
         self, gains: LoopGains, rows: IntArray

@@ -20,6 +20,8 @@ from mptune.params.pack import (
     pack_path,
 )
 from mptune.robust.condition import Sides, sides
+from mptune.robust.measured import Members, members_of, whole_family
+from mptune.robust.result import PlantPoint, plant_point
 from mptune.sim.moves import Moves, moves_of
 
 if TYPE_CHECKING:
@@ -35,7 +37,9 @@ class Task:
     Attributes
     ----------
     plants
-        The family, ``(N,)`` each.
+        The family's box, ``(N,)`` each.
+    members
+        Measured responses that stand beside it, or in its place within their band.
     path
         Measurement path that the study's model includes.
     filters
@@ -47,6 +51,7 @@ class Task:
     study: ResolvedStudy
     plants: Plants
     nominal: NominalPlant
+    members: Members | None
     share_a: float
     path: MeasurementPath
     filters: MeasurementPath
@@ -55,9 +60,11 @@ class Task:
     @classmethod
     def of(cls, study: ResolvedStudy) -> Task:
         """Return the task of a study."""
+        plants = plants_of(study)
         return cls(
             study=study,
-            plants=plants_of(study),
+            plants=plants,
+            members=members_of(study, plants),
             nominal=pack_nominal(study),
             share_a=study.study.cylinder.share_a,
             path=pack_path(study),
@@ -94,7 +101,12 @@ class Task:
     def sides(self, omega: FloatArray, gains: LoopGains, plants: Plants | None = None) -> Sides:
         """Return both sides of Eq. 17 and Eq. 21, over the whole family where none are given."""
         family = self.plants if plants is None else plants
-        return sides(omega, family, self.nominal, self.share_a, gains, self.path)
+        return sides(omega, family, self.nominal, self.share_a, gains, self.path, self.members)
+
+    def point(self, index: int, frequency: float) -> PlantPoint:
+        """Return a plant of the family, measured members after the box's plants, at ω [rad/s]."""
+        names = self.members.names if self.members else ()
+        return plant_point(whole_family(self.plants, self.members), index, frequency, names)
 
     def corners(self) -> IntArray:
         """Return the plants with the least or largest mass, all lags smallest or all largest."""

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.params.controller import Gains
-from mptune.robust.result import Status, plant_point
+from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
 from mptune.tune.objective import Judge
 from mptune.tune.result import Blocking, TuneResult, TuneStatus
@@ -19,7 +19,7 @@ from mptune.tune.velocity import largest_velocity_gain
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mptune.params.pack import LoopGains, NominalPlant, Plants
+    from mptune.params.pack import LoopGains
     from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
     from mptune.robust.result import SweepResult
@@ -68,6 +68,7 @@ class Tuner:
             task.path,
             task.requirements.velocity_ratio,
             bounds.k_p_vel[1] if bounds.k_p_vel else np.inf,
+            task.members,
         )
         self._least = bounds.k_p_vel[0] if bounds.k_p_vel else 0.0
 
@@ -88,7 +89,7 @@ class Tuner:
     ) -> TuneResult:
         """Return the tuned gains of one structure, with the whole family's verdict."""
         if self._velocity.k_p_vel <= self._least:
-            why = _velocity_blocking(self._task.plants, self._task.nominal, self._velocity)
+            why = _velocity_blocking(self._task, self._velocity)
             return self._result(structure, nothing(self._own), sweep(self._study), why)
         search, found = self.searched(structure, extra, None, progress)
         judged = sweep(self._study, _gains(found.choice.gains))
@@ -152,8 +153,8 @@ def _gains(packed: LoopGains) -> Gains:
     return Gains.model_validate(packed._asdict(), context={"si": True})
 
 
-def _velocity_blocking(plants: Plants, nominal: NominalPlant, velocity: VelocityGain) -> Blocking:
-    at = plant_point(plants, velocity.plant, velocity.frequency)
+def _velocity_blocking(task: Task, velocity: VelocityGain) -> Blocking:
+    at = task.point(velocity.plant, velocity.frequency)
     if velocity.k_p_vel > 0:
         return Blocking(
             "velocity_ratio",
@@ -162,7 +163,7 @@ def _velocity_blocking(plants: Plants, nominal: NominalPlant, velocity: Velocity
             f"Eq. 17 allows a velocity gain up to {velocity.k_p_vel:.4g} N s/m, below the study's "
             "bound; allow more of the ratio or lower the bound",
         )
-    least = abs(nominal.mass / at.mass_kg - 1)
+    least = abs(task.nominal.mass / at.mass_kg - 1)
     return Blocking(
         requirement="velocity_ratio",
         least_found=least,

@@ -18,6 +18,7 @@ if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray
     from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
     from mptune.params.requirements import RatioCurve
+    from mptune.robust.measured import Members
 
 _ROUNDS = 6  # of refinement about the limiting frequency, a factor of four each
 
@@ -52,6 +53,7 @@ def largest_velocity_gain(
     path: MeasurementPath,
     limit: float | RatioCurve,
     upper: float = np.inf,
+    members: Members | None = None,
 ) -> VelocityGain:
     """Return the largest K_P,vel up to which every gain meets Eq. 17's requirement.
 
@@ -67,6 +69,8 @@ def largest_velocity_gain(
         Gains from which the range of frequencies is chosen.
     limit
         The largest allowed ratio.
+    members
+        Measured responses of the family.
     upper
         Upper bound of the gain [N s/m]. About half the gain at which the nominal loop turns
         unstable bounds it too, so that a family without uncertainty has an answer.
@@ -77,7 +81,7 @@ def largest_velocity_gain(
         return VelocityGain(0.0, "velocity_ratio", 0.0, int(np.argmax(at_rest)))
     smallest, frequency, plant = 0.0, 0.0, 0
     for _ in range(_ROUNDS):
-        found = sides(omega, plants, nominal, share_a, start, path)
+        found = sides(omega, plants, nominal, share_a, start, path, members)
         need = found.left[0] / (allowed_ratio(limit, omega) * (1 - CONVERGED))
         root = _larger_root(_inverse_plant(omega, nominal, path), need)
         worst = int(np.argmax(root))

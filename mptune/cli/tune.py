@@ -1,0 +1,52 @@
+"""``mptune tune``: gains that satisfy the requirements and perform best within them."""
+
+from __future__ import annotations
+
+from typing import Annotated
+
+import typer
+
+from mptune.cli.options import (
+    OUT,
+    JsonOption,
+    OutOption,
+    QuietOption,
+    SetOption,
+    StudyArgument,
+    UncertaintyOption,
+    finish,
+)
+
+
+def tune(
+    study: StudyArgument,
+    structure: Annotated[
+        str, typer.Option(metavar="NAME", help="Position controller: eq22, p, pi or pid.")
+    ] = "eq22",
+    compare: Annotated[
+        bool, typer.Option("--compare", help="Tune P, PI and PID alike and compare.")
+    ] = False,
+    front: Annotated[
+        int,
+        typer.Option(min=0, max=50, metavar="N", help="Points of tracking against disturbance."),
+    ] = 0,
+    override: SetOption = None,
+    uncertainty: UncertaintyOption = "",
+    out: OutOption = OUT,
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Find gains that satisfy the requirements."""
+    from mptune.cli import show
+    from mptune.cli.show_tune import tuning
+    from mptune.job.tune import tune_study
+    from mptune.params.load import load_study
+
+    loaded = load_study(study, override or (), uncertainty)
+    with show.progress(quiet=quiet) as report:
+        result = tune_study(loaded, out, report, structure=structure, compare=compare, points=front)
+    if json:
+        show.as_json(result.json())
+    else:
+        tuning(result)
+    finish(met=result.tuned.sweep.satisfied)
