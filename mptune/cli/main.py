@@ -59,7 +59,7 @@ def run(
     quiet: QuietOption = False,
 ) -> None:
     """Do the whole job, from the study file to gains and report."""
-    from mptune.cli import show, show_chain
+    from mptune.cli import show, show_chain, show_tune
     from mptune.job.run import run as run_job
     from mptune.params.load import load_study
 
@@ -69,7 +69,7 @@ def run(
     if json:
         show.as_json(result.json())
     else:
-        tuned(result.tuned)
+        show_tune.tuned(result.tuned)
         show.job(result)
         show_chain.chain(result.chain)
         show.files(result.files)

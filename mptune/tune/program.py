@@ -10,6 +10,7 @@ rows say 0 ≤ 1, so that cvxpy compiles it once.
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass, fields
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
@@ -139,7 +140,9 @@ class _Program:
         self._gain.value, self._gamma_gain.value = gain, gamma_gain
         self._slack_low.value = slack_low
         try:
-            self._problem.solve(solver="CLARABEL")
+            with warnings.catch_warnings():  # a step that is inaccurate is found out by the caller
+                warnings.simplefilter("ignore", UserWarning)
+                self._problem.solve(solver="CLARABEL")
         except self._failure:
             return Step(None, np.inf, 0.0)
         if self._delta.value is None:
