@@ -14,6 +14,7 @@ from typing import Annotated
 
 import typer
 
+from mptune.cli.export import export
 from mptune.cli.options import (
     OUT,
     JsonOption,
@@ -155,6 +156,9 @@ def verify(
         show.verified(result)
         show.files(files)
     finish(met=result.satisfied)
+
+
+app.command()(export)
 
 
 @app.command()

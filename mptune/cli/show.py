@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from mptune.job.run import JobResult
     from mptune.params.controller import Gains
-    from mptune.robust.result import SweepResult
+    from mptune.robust.result import Check, SweepResult
     from mptune.tune.tuner import TuneResult
     from mptune.verify.result import VerifyResult
 
@@ -74,7 +74,8 @@ def _table(title: str) -> Table:
     return Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
 
 
-def _verdict(text: str, *, good: bool) -> Text:
+def verdict(text: str, *, good: bool) -> Text:
+    """Return a verdict in green or red."""
     return Text(text, style="green" if good else "bold red")
 
 
@@ -91,12 +92,12 @@ def sweep(result: SweepResult) -> None:
             f"{condition.worst_ratio:.4f}",
             f"{condition.margin:.3f}",
             place or place_text(condition.at),
-            _verdict("hold" if premises else "FAIL", good=premises),
-            _verdict(condition.status.value, good=condition.satisfied),
+            verdict("hold" if premises else "FAIL", good=premises),
+            verdict(condition.status.value, good=condition.satisfied),
         )
     console.print(table)
     _margins(result)
-    _requirements(result)
+    requirements(result.checks)
 
 
 def _margins(result: SweepResult) -> None:
@@ -110,7 +111,7 @@ def _margins(result: SweepResult) -> None:
     table.add_row(
         "unstable plants",
         *(
-            _verdict(str(count), good=count == 0)
+            verdict(str(count), good=count == 0)
             for loop in range(3)
             for family in result.families
             for count in [int((~(family.stable if loop else family.velocity_stable)).sum())]
@@ -119,38 +120,42 @@ def _margins(result: SweepResult) -> None:
     console.print(table)
 
 
-def _requirements(result: SweepResult) -> None:
+def requirements(checks: Iterable[Check]) -> None:
+    """Print requirements with what was found."""
     table = _table("Requirements")
     for heading in ("requirement", "limit", "found", "verdict", "where"):
         table.add_column(heading)
-    for check in result.checks:
+    for check in checks:
         good = check.status is Status.SATISFIED
         table.add_row(
             check.name,
             check.limit,
             number(check.found),
-            _verdict(check.status.value, good=good),
+            verdict(check.status.value, good=good),
             place_text(check.at),
         )
     console.print(table)
 
 
-def _gains(gains: Gains, before: Gains) -> None:
+def gains(found: Gains, before: Gains, before_name: str = "study's own") -> None:
+    """Print gains beside others."""
     table = _table("Gains")
-    for heading in ("key", "symbol", "value", "study's own"):
-        table.add_column(heading, justify="right" if heading[0] in "vs" else "left")
-    for key, unit, symbol, _ in gains.quantities():
-        values = (shown(getattr(one, key), unit) for one in (gains, before))
+    for heading in ("key", "symbol"):
+        table.add_column(heading)
+    for heading in ("value", before_name):
+        table.add_column(heading, justify="right")
+    for key, unit, symbol, _ in found.quantities():
+        values = (shown(getattr(one, key), unit) for one in (found, before))
         table.add_row(key, symbol, *values)
     console.print(table)
 
 
 def tuned(result: TuneResult) -> None:
     """Print tuned gains, what they gain, and what limits them."""
-    _gains(result.gains, result.before)
+    gains(result.gains, result.before)
     before, after = result.figures_before, result.figures
     good = result.blocking is None
-    console.print("Status:", _verdict(result.status.value, good=good))
+    console.print("Status:", verdict(result.status.value, good=good))
     console.print(
         f"Tracking index {1e3 * before.tracking:.2f} → {1e3 * after.tracking:.2f} ms, "
         f"K_I,pos {before.integral_gain:.3g} → {after.integral_gain:.3g} 1/s², "
@@ -177,7 +182,7 @@ def job(result: JobResult) -> None:
             *(
                 f"{one.performance_index_ms:.1f} ms"
                 if one.stable
-                else _verdict("unstable", good=False)
+                else verdict("unstable", good=False)
                 for one in (before, case)
             ),
         )
@@ -189,7 +194,7 @@ def job(result: JobResult) -> None:
     files(result.files)
     met = result.satisfied
     console.print(
-        _verdict("Every requirement is met." if met else "Some requirement is not met.", good=met)
+        verdict("Every requirement is met." if met else "Some requirement is not met.", good=met)
     )
 
 
@@ -211,7 +216,7 @@ def verified(result: VerifyResult) -> None:
             number(case.span("final_error_mm")[1], 2),
             number(case.span("converter_peak_mm")[1], 3),
             number(case.mean("valve_switches"), 4),
-            _verdict(case.status.value, good=case.stable),
+            verdict(case.status.value, good=case.stable),
         )
     console.print(table)
     for case in result.cases:
