@@ -1,7 +1,8 @@
-"""Closed loops of mptune's own simulator with every raw sample and every decision written down.
+"""mptune's own machine driven tick by tick from outside, by any controller.
 
 The same kernels run in the same order as in ``mptune.sim.closed_loop.run_ticks``, noise and valve
-delays drawn from the same source, so that a recording is the simulation itself.
+delays drawn from the same source: with mptune's controller it is the simulation itself, with every
+raw sample and every decision written down.
 """
 
 from __future__ import annotations
@@ -10,7 +11,6 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mptune.arrays import kernel
 from mptune.force.search_space import search_space
 from mptune.params.pack import (
     pack_feedforward,
@@ -100,69 +100,75 @@ def rig_of(study, case, gains=None, feedforward=None):
 
 
 def record_case(study, case, sets=1, **changes):
-    """Return the recording of a case over so many movement sets."""
+    """Return the recording of a case over so many movement sets, mptune's controller at work."""
     rig = rig_of(study, case, **changes)
-    ticks = rig.ticks
-    inputs, decisions = np.empty((sets * ticks, 12)), np.empty((sets * ticks, DECISIONS))
-    trace = np.empty((sets * ticks, loop.COLUMNS))
-    for number in range(sets):
-        rows = slice(number * ticks, (number + 1) * ticks)
-        _record_ticks(
-            rig.memory, rig.machine, rig.table, rig.delays, rig.gains, rig.law, rig.ahead,
-            rig.signals, rig.settings, rig.space, rig.moves.pieces, rig.start,
-            number * ticks * rig.signals.sample_time, rig.random,
-            inputs[rows], decisions[rows], trace[rows],
-        )  # fmt: skip
+    controller = Recorder(rig)
+    trace = drive(rig, controller, sets)
+    inputs, decisions = np.array(controller.inputs), np.array(controller.decisions)
     return Recording(rig.first, rig.load, inputs, decisions, trace)
+
+
+class Recorder:
+    """mptune's own controller as a unit that writes down what it sees and does."""
+
+    def __init__(self, rig):
+        self.rig, self.inputs, self.decisions = rig, [], []
+
+    def start(self, first, load):
+        pass  # the rig's memory stands at rest already
+
+    def step(self, inputs):
+        rig, outer, choice = self.rig, self.rig.memory.outer, self.rig.memory.choice
+        x_ref, v_ref, a_ref = inputs[:3].tolist()
+        ahead = rig.ahead
+        outer[loop.REFERENCE] += (1 - ahead.reference_pole) * (x_ref - outer[loop.REFERENCE])
+        outer[loop.VELOCITY_REFERENCE] += (1 - ahead.velocity_reference_pole) * (
+            v_ref - outer[loop.VELOCITY_REFERENCE]
+        )
+        before = choice.copy()
+        if len(self.inputs) % rig.signals.ticks == 0:
+            loop._control(
+                rig.memory, x_ref, v_ref, a_ref, rig.gains, rig.law, ahead, rig.signals,
+                rig.settings, rig.space,
+            )  # fmt: skip
+        decided = (outer[loop.FORCE], outer[loop.STOPPED], *choice)
+        inside = (rig.memory.filtered, rig.memory.converters, rig.memory.history)
+        self.inputs.append(inputs)
+        self.decisions.append(np.concatenate([decided, before, *inside]))
+        return decided
+
+
+def drive(rig, unit, sets=1):
+    """Return the trace ``(T, 15)`` of the machine under a unit, over so many movement sets.
+
+    Noise and valve delays are drawn in the order of the simulator: nine samples in each tick, then
+    one delay for each valve that switches. ``unit`` has ``start(first, load)`` and ``step(inputs)``,
+    which returns force reference, stopped, and the states of A and B.
+    """
+    memory, machine, signals = rig.memory, rig.machine, rig.signals
+    tick_time = signals.sample_time
+    work = loop.new_work(memory.valves)
+    trace = np.empty((sets * rig.ticks, loop.COLUMNS))
+    unit.start(rig.first, rig.load)
+    for row, (number, tick) in zip(trace, np.ndindex(sets, rig.ticks), strict=True):
+        now = number * rig.ticks * tick_time + tick * tick_time
+        step, v_ref, a_ref = reference(tick * tick_time, rig.moves.pieces)
+        x_ref = rig.start + step
+        loop._measure(memory, machine, signals, rig.random)
+        outputs = unit.step(np.concatenate([[x_ref, v_ref, a_ref], memory.raw[0]]))
+        memory.outer[loop.FORCE], memory.outer[loop.STOPPED] = outputs[:2]
+        memory.choice[:] = outputs[2:]
+        if tick % signals.ticks == 0:
+            loop._switch(memory, rig.space, now, rig.delays, rig.random)
+        loop._record(row, memory, x_ref, v_ref, machine)
+        high = accumulator_pressure(memory.state[loop.OIL], machine)
+        if high < machine.pump_on:
+            memory.outer[loop.PUMPING] = 1.0
+        elif high > machine.pump_off:
+            memory.outer[loop.PUMPING] = 0.0
+        loop._integrate(memory, machine, rig.table, rig.delays.ramp, now, tick_time, work)
+    return trace
 
 
 def first_case(study, mass):
     return next(case for case in cases_of(study) if case.mass == mass)
-
-
-@kernel
-def lag_references(memory, ahead, x_ref, v_ref):
-    outer = memory.outer
-    outer[loop.REFERENCE] += (1 - ahead.reference_pole) * (x_ref - outer[loop.REFERENCE])
-    outer[loop.VELOCITY_REFERENCE] += (1 - ahead.velocity_reference_pole) * (
-        v_ref - outer[loop.VELOCITY_REFERENCE]
-    )
-
-
-@kernel
-def advance_machine(memory, machine, table, ramp, now, tick_time, work):
-    high = accumulator_pressure(memory.state[loop.OIL], machine)
-    if high < machine.pump_on:
-        memory.outer[loop.PUMPING] = 1.0
-    elif high > machine.pump_off:
-        memory.outer[loop.PUMPING] = 0.0
-    loop._integrate(memory, machine, table, ramp, now, tick_time, work)
-
-
-@kernel
-def _record_ticks(
-    memory, machine, table, delays, gains, law, ahead, signals, settings, space, pieces, start,
-    begin, random, inputs, decisions, trace,
-):  # fmt: skip
-    tick_time = signals.sample_time
-    work = loop.new_work(memory.valves)
-    for tick in range(len(trace)):
-        now = begin + tick * tick_time
-        step, v_ref, a_ref = reference(tick * tick_time, pieces)
-        x_ref = start + step
-        lag_references(memory, ahead, x_ref, v_ref)
-        loop._measure(memory, machine, signals, random)
-        inputs[tick, 0], inputs[tick, 1], inputs[tick, 2] = x_ref, v_ref, a_ref
-        inputs[tick, 3:] = memory.raw[0]
-        row = decisions[tick]
-        row[BEFORE_A], row[BEFORE_B] = memory.choice[0], memory.choice[1]
-        if tick % signals.ticks == 0:
-            loop._control(memory, x_ref, v_ref, a_ref, gains, law, ahead, signals, settings, space)
-            loop._switch(memory, space, now, delays, random)
-        row[FORCE], row[STOPPED] = memory.outer[loop.FORCE], memory.outer[loop.STOPPED]
-        row[STATE_A], row[STATE_B] = memory.choice[0], memory.choice[1]
-        row[6:15] = memory.filtered
-        row[15:19] = memory.converters
-        row[19:25] = memory.history
-        loop._record(trace[tick], memory, x_ref, v_ref, machine)
-        advance_machine(memory, machine, table, delays.ramp, now, tick_time, work)

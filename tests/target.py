@@ -128,3 +128,29 @@ class Outputs(ctypes.Structure):
         ("fault", ctypes.c_uint32),
         ("force_reference", ctypes.c_double),
     ]
+
+
+class Controller:
+    """The controller as a shared library, called from here."""
+
+    def __init__(self, library):
+        self.library = ctypes.CDLL(str(library))
+        for function in (self.library.mptune_init, self.library.mptune_step):
+            function.restype = ctypes.c_uint32
+        self.state = (ctypes.c_double * 512)()  # more than mptune_state takes
+        self.outputs = Outputs()
+
+    def init(self, row, load=0.0):
+        inputs = Inputs.of(row)
+        return self.library.mptune_init(
+            ctypes.byref(self.state), ctypes.byref(inputs), ctypes.c_double(load)
+        )
+
+    def step(self, row):
+        inputs = Inputs.of(row)
+        return self.library.mptune_step(
+            ctypes.byref(self.state), ctypes.byref(inputs), ctypes.byref(self.outputs)
+        )
+
+    def shut(self):
+        return not any(self.outputs.valve)

@@ -168,7 +168,7 @@ def _rounded(key: str, value: float, precision: Precision) -> float:
         return value
     with np.errstate(over="ignore", under="ignore"):
         single = float(np.float32(value))
-    if not np.isfinite(single) or (single == 0) != (value == 0):
+    if not np.isfinite(single) or (value != 0 and abs(single) < np.finfo(np.float32).tiny):
         fault = Fault(
             key, f"{value:g}", "does not fit into single precision", "use --precision double"
         )
