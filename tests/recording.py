@@ -142,8 +142,8 @@ def drive(rig, unit, sets=1):
     """Return the trace ``(T, 15)`` of the machine under a unit, over so many movement sets.
 
     Noise and valve delays are drawn in the order of the simulator: nine samples in each tick, then
-    one delay for each valve that switches. ``unit`` has ``start(first, load)`` and ``step(inputs)``,
-    which returns force reference, stopped, and the states of A and B.
+    one delay for each valve that switches. A unit has ``start(first, load)`` and ``step(inputs)``;
+    the latter returns force reference, stopped, and the states of A and B.
     """
     memory, machine, signals = rig.memory, rig.machine, rig.signals
     tick_time = signals.sample_time

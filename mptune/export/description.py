@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from mptune.export.variables import Variable
 
 MODEL = "mptune_controller"
+_VARIABILITY = {"input": "continuous", "parameter": "fixed", "output": "discrete"}
 _FMI2_TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 _FMI3_TYPES = {"real": "Float64", "integer": "Int32", "boolean": "Boolean"}
 
@@ -135,7 +136,7 @@ def _attributes(variable: Variable, number: int) -> dict[str, str]:
         "name": variable.name,
         "valueReference": str(number),
         "causality": variable.causality,
-        "variability": "fixed" if variable.causality == "parameter" else "discrete",
+        "variability": _VARIABILITY[variable.causality],
         "description": variable.description,
     }
     if variable.causality == "output":

@@ -58,5 +58,5 @@ def test_single_precision_rounds_every_number(study):
 def test_a_number_beyond_single_precision_is_refused(load_boom, value):
     study = load_boom(f'controller.weight_converter="{value}"', corners=True)
     numbers_of(study)
-    with pytest.raises(InputError, match="weight_converter.*single precision.*--precision double"):
+    with pytest.raises(InputError, match=r"weight_converter.*single precision.*--precision double"):
         numbers_of(study, Precision.FLOAT)
