@@ -11,6 +11,8 @@ from typing import NamedTuple
 
 import numpy as np
 
+from mptune.force.cost import side_costs, supply_pressures
+from mptune.force.estimator import SIDE_A, SIDE_B
 from mptune.force.search_space import search_space
 from mptune.params.pack import (
     pack_feedforward,
@@ -168,6 +170,32 @@ def drive(rig, unit, sets=1):
             memory.outer[loop.PUMPING] = 0.0
         loop._integrate(memory, machine, rig.table, rig.delays.ramp, now, tick_time, work)
     return trace
+
+
+def extra_cost(study, decision, state_a, state_b):
+    """Return what two states cost more than those decided on, and what the latter cost [N]."""
+    settings, space = pack_force(study), search_space()
+    velocity = 0.0
+    for tap, position in zip((5.0, 3.0, 1.0, -1.0, -3.0, -5.0), decision[HISTORY], strict=True):
+        velocity += tap * position
+    velocity /= 35 * study.study.controller.fast_sampling_period
+    filtered, position = decision[FILTERED], decision[HISTORY][0]
+    supplies = supply_pressures(filtered[4], filtered[3])
+    sides = []
+    for side, before in ((SIDE_A, BEFORE_A), (SIDE_B, BEFORE_B)):
+        force, cost = np.empty(len(space.first)), np.empty(len(space.first))
+        side_costs(
+            side, filtered[1 + side], position, velocity, supplies, decision[CONVERTERS],
+            int(decision[before]), space, settings, force, cost,
+        )  # fmt: skip
+        sides.append((force, cost))
+    (force_a, cost_a), (force_b, cost_b) = sides
+
+    def total(a, b):
+        return abs(decision[FORCE] - (force_a[a] - force_b[b])) + cost_a[a] + cost_b[b]
+
+    least = total(int(decision[STATE_A]), int(decision[STATE_B]))
+    return total(int(state_a), int(state_b)) - least, least
 
 
 def first_case(study, mass):

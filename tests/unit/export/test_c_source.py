@@ -50,11 +50,10 @@ def test_sources_compile_without_a_word(folder, tmp_path, find, flags):
 
 def test_of_the_library_only_the_root_is_used_and_no_variable_is_global(folder, tmp_path):
     """fabs is an instruction; memory is neither allocated nor shared."""
-    nm = shutil.which("nm")
-    if not (gcc() and nm):
-        any_compiler()
+    compiler, nm = any_compiler(), shutil.which("nm")
+    if nm is None:
         pytest.skip("nm is needed")
-    assert objects(gcc(), folder, tmp_path / "objects", "-fno-stack-protector")[0] == 0
+    assert objects(compiler, folder, tmp_path / "objects", "-fno-stack-protector")[0] == 0
     files = [str(path) for path in (tmp_path / "objects").glob("*.o")]
     done = subprocess.run([nm, *files], capture_output=True, text=True, check=True)
     symbols = [line.split()[-2:] for line in done.stdout.splitlines() if " " in line]

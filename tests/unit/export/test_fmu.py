@@ -10,6 +10,7 @@ import zipfile
 import fmpy
 import numpy as np
 import pytest
+import recording as rec
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from mockup import INPUTS, Unit
@@ -173,6 +174,31 @@ def test_sources_inside_compile_for_another_system(path, tmp_path):
     )
     assert done.returncode == 0, done.stderr
     assert list(tmp_path.glob("*.o"))
+
+
+def test_zig_s_compiler_takes_the_place_of_a_missing_one(
+    controller, recording, tmp_path, monkeypatch
+):
+    if zig() is None:
+        pytest.skip("another C compiler is here, this one is not")
+    monkeypatch.setattr(shutil, "which", lambda name: None)
+    (tmp_path / "unit.fmu").write_bytes(build_unit(controller, 3))
+    unit = Unit(tmp_path / "unit.fmu", STEP)
+    unit.start(recording.first, recording.load)
+    forces = [unit.step(row)[0] for row in recording.inputs[:200]]
+    unit.close()
+    assert forces == recording.decisions[:200, rec.FORCE].tolist()
+
+
+def test_a_unit_in_single_precision_steps_as_one_in_double_nearly_does(single, recording, tmp_path):
+    any_compiler()
+    (tmp_path / "unit.fmu").write_bytes(build_unit(single, 2))
+    unit = Unit(tmp_path / "unit.fmu", STEP)
+    unit.start(recording.first, recording.load)
+    forces = [unit.step(row)[0] for row in recording.inputs[:200]]
+    unit.close()
+    np.testing.assert_allclose(forces, recording.decisions[:200, rec.FORCE], atol=100)
+    assert forces != recording.decisions[:200, rec.FORCE].tolist()
 
 
 def test_no_compiler_at_all_is_said_clearly(controller, monkeypatch):
