@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.cli.show import console, files, gains, requirements, verdict
-from mptune.export.provenance import WARNING
+from mptune.export.controller import WARNING
 
 if TYPE_CHECKING:
     from mptune.job.export import ExportResult

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from mptune.arrays import IntArray
-    from mptune.export.provenance import Controller
+    from mptune.export.controller import Controller
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
 _CONSTANTS = """\

@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
-from mptune.export.provenance import WARNING
+from mptune.export.controller import WARNING
 from mptune.export.variables import UNITS, variables
 from mptune.params.gains import version
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from mptune.export.provenance import Controller
+    from mptune.export.controller import Controller
     from mptune.export.variables import Variable
 
 MODEL = "mptune_controller"

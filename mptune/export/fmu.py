@@ -24,7 +24,7 @@ from mptune.export.variables import variables
 from mptune.files import write_whole
 
 if TYPE_CHECKING:
-    from mptune.export.provenance import Controller
+    from mptune.export.controller import Controller
 
 _HEADERS = {
     2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),

@@ -12,7 +12,7 @@ from mptune.export.formats import Precision
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from mptune.export.provenance import Controller
+    from mptune.export.controller import Controller
 
 _TITLE = (
     "Outer loops and filters of a multi-pressure hydraulic cylinder, written by mptune. "

@@ -7,12 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import tomlkit
 
-from mptune.export.provenance import WARNING
+from mptune.export.controller import WARNING
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mptune.export.provenance import Controller
+    from mptune.export.controller import Controller
 
 _TITLE = (
     "A controller in SI units, written by mptune. Do not edit: the margins hold for it as it is."

@@ -8,10 +8,10 @@ from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
 from mptune.export.c_source import c_sources
+from mptune.export.controller import Controller
 from mptune.export.formats import Format, Precision
 from mptune.export.margins import written_margins
 from mptune.export.numbers import controller_numbers
-from mptune.export.provenance import Controller
 from mptune.export.table import as_json, as_toml
 from mptune.export.written import rounded_section, written_gains
 from mptune.files import make_folder, write_whole

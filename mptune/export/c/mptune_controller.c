@@ -106,7 +106,6 @@ uint32_t mptune_step(mptune_state *state, const mptune_inputs *inputs, mptune_ou
     }
     if ((state->ready != READY) || (state->tick >= MPTUNE_TICKS)
         || (state->choice[0] >= MPTUNE_STATES) || (state->choice[1] >= MPTUNE_STATES)) {
-        state->ready = 0U;
         fault = MPTUNE_FAULT_STATE;
     } else if (accepted(inputs) == 0U) {
         fault = MPTUNE_FAULT_INPUT;
@@ -120,8 +119,10 @@ uint32_t mptune_step(mptune_state *state, const mptune_inputs *inputs, mptune_ou
             decided = 1U;
         }
     }
-    if ((fault & MPTUNE_FAULT_NUMERIC) != 0U) {
-        state->ready = 0U;
+    if ((fault & (MPTUNE_FAULT_STATE | MPTUNE_FAULT_NUMERIC)) != 0U) {
+        state->ready = 0U; /* until mptune_init */
+        state->stopped = 0U;
+        state->force = R(0);
     }
     if (fault != 0U) {
         shut(state);

@@ -192,6 +192,7 @@ def test_a_controller_that_was_not_set_up_does_nothing(controller, recording):
         controller.state[:] = [content] * len(controller.state)
         assert controller.step(recording.inputs[0]) == STATE
         assert controller.shut()
+        assert controller.outputs.force_reference == 0
 
 
 @pytest.mark.parametrize("column", [0, 3, 5, 11])
@@ -208,6 +209,7 @@ def test_a_state_full_of_no_numbers_is_a_fault_until_it_is_set_up_again(controll
     controller.state[:NUMBERS_IN_STATE] = [math.nan] * NUMBERS_IN_STATE
     assert controller.step(recording.inputs[0]) == NUMERIC
     assert controller.shut()
+    assert controller.outputs.force_reference == 0
     assert controller.step(recording.inputs[0]) == STATE
     assert controller.init(recording.first, recording.load) == 0
     assert controller.step(recording.inputs[0]) == 0

@@ -1,4 +1,4 @@
-"""What every exported file says of itself: where it comes from and how far to trust it."""
+"""A controller ready to be written, and what every file says of it: its origin and its margins."""
 
 from __future__ import annotations
 
