@@ -45,7 +45,7 @@ def compile_library(sources: Sequence[Path], library: Path, flags: Sequence[str]
     """
     command = [*find_compiler(), *flags, "-fPIC", "-shared", "-o", str(library)]
     command += [*(str(source) for source in sources), "-lm"]
-    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603
+    done = subprocess.run(command, capture_output=True, text=True, check=False)  # noqa: S603 - no shell, own files
     if done.returncode != 0:
         raise MptuneError(f"{command[0]} could not compile the controller:\n{done.stderr.strip()}")
     return library

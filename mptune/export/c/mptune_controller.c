@@ -77,8 +77,9 @@ uint32_t mptune_init(mptune_state *state, const mptune_inputs *first, mptune_rea
         return MPTUNE_FAULT_POINTER;
     }
     *state = blank;
+    const mptune_parameters *const p = &mptune_study;
     if ((accepted(first) == 0U)
-        || (mptune_within(load_force, mptune_study.force_least, mptune_study.force_largest) == 0U)) {
+        || (mptune_within(load_force, p->force_least, p->force_largest) == 0U)) {
         return MPTUNE_FAULT_INPUT;
     }
     samples_of(first, state->filtered);
@@ -92,7 +93,7 @@ uint32_t mptune_init(mptune_state *state, const mptune_inputs *first, mptune_rea
     }
     state->reference = first->position_reference;
     state->velocity_reference = first->velocity_reference;
-    state->integral = load_force / mptune_study.k_p_vel;
+    state->integral = load_force / p->k_p_vel;
     state->ready = READY;
     return 0U;
 }

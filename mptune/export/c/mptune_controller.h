@@ -3,9 +3,9 @@
  *
  * mptune_init    once, before the first step, with a first set of samples.
  * mptune_step    every T_S,fast (mptune_study.sample_time, in s). It samples and filters at each
- *                call; at the first and at every MPTUNE_TICKS-th call after it, that is once per T_S,
- *                it also runs the outer loops, the stop logic and the force controller, whose choice
- *                out of 28 x 28 valve states is then held.
+ *                call; at the first and at every MPTUNE_TICKS-th call after it, that is once per
+ *                T_S, it also runs the outer loops, the stop logic and the force controller, whose
+ *                choice out of 28 x 28 valve states is then held.
  *
  * All values are in SI units. State lives in one mptune_state that the caller owns; the study's
  * numbers are constant data in mptune_parameters.c. Nothing is allocated, nothing recurses, every
@@ -38,7 +38,7 @@
 typedef struct {
     mptune_real position_reference;     /* m, x_ref */
     mptune_real velocity_reference;     /* m/s, v_ref */
-    mptune_real acceleration_reference; /* m/s^2, a_ref; counts with acceleration feed-forward only */
+    mptune_real acceleration_reference; /* m/s^2, a_ref, for its feed-forward */
     mptune_real position;               /* m, raw */
     mptune_real pressure_a;             /* Pa, raw, A-side chamber */
     mptune_real pressure_b;             /* Pa, raw, B-side chamber */
@@ -49,7 +49,7 @@ typedef struct {
 
 /* What is to be done until the next step. */
 typedef struct {
-    uint8_t valve[2U * MPTUNE_VALVES]; /* 1 open, 0 shut; side A first, two per supply, lowest first */
+    uint8_t valve[2U * MPTUNE_VALVES]; /* 1 open; side A first, two per supply, lowest first */
     uint8_t state_a;                   /* 0 to 27, row of mptune_valves */
     uint8_t state_b;                   /* 0 to 27 */
     uint8_t stopped;                   /* 1 while the stop logic holds all valves shut */

@@ -40,7 +40,8 @@ static mptune_real stiffness(uint32_t side, mptune_real position)
         volume = p->area_b * (p->stroke - position) + p->dead_b;
         hose = p->hose_b;
     }
-    const mptune_real modulus = R(1) / (R(1) / p->oil + hose / volume * (R(1) / p->hose)); /* Eq. 4 */
+    const mptune_real modulus =
+        R(1) / (R(1) / p->oil + hose / volume * (R(1) / p->hose)); /* Eq. 4 */
     return modulus / volume;
 }
 
@@ -100,7 +101,8 @@ static void add_port(
     const mptune_real drop_then = supplies[supply] - after;
     const mptune_real flow_now = scale * orifice(drop_now);
     const mptune_real flow_then = scale * orifice(drop_then);
-    *loss += R(0.5) * p->sampling_period * (flow_now * drop_now + flow_then * drop_then); /* Eq. 8 */
+    *loss += R(0.5) * p->sampling_period
+             * (flow_now * drop_now + flow_then * drop_then); /* Eq. 8 */
     if ((supply >= 1U) && (supply <= MPTUNE_CONVERTERS)) {
         const mptune_real share = p->predicted_share;
         const mptune_real drawn = share * flow_then + (R(1) - share) * flow_now;

@@ -44,11 +44,11 @@ void mptune_lag_references(mptune_state *state, const mptune_inputs *inputs);
 void mptune_measure(mptune_state *state, const mptune_real sample[MPTUNE_SIGNALS]);
 mptune_real mptune_velocity(const mptune_state *state); /* m/s, Eq. 23 */
 
-/* Outer loops: one T_S. They return 0 where they left the range of numbers. */
+/* Outer loops: one T_S. The loops return 0 where they left the range of numbers. */
 uint8_t mptune_outer_loops(mptune_state *state, const mptune_inputs *inputs, mptune_real velocity);
 void mptune_stop_logic(mptune_state *state, const mptune_inputs *inputs);
 
-/* Force controller: one T_S. It returns 0 where no valve state has a cost that is a number. */
+/* Force controller: one T_S. It changes the choice, and returns 0 where no cost is a number. */
 uint8_t mptune_decide(mptune_state *state, mptune_real velocity);
 
 #endif

@@ -40,7 +40,8 @@ fmi3Instance fmi3InstantiateCoSimulation(
 {
     UNUSED(name), UNUSED(resources), UNUSED(visible), UNUSED(logging), UNUSED(early_return);
     UNUSED(intermediate), UNUSED(update);
-    if ((token == NULL) || (strcmp(token, UNIT_TOKEN) != 0) || event_mode || (intermediates != 0U)) {
+    if ((token == NULL) || (strcmp(token, UNIT_TOKEN) != 0) || event_mode
+        || (intermediates != 0U)) {
         return NULL;
     }
     instance *const one = calloc(1, sizeof(instance));
