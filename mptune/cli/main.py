@@ -14,6 +14,7 @@ from typing import Annotated
 
 import typer
 
+from mptune.cli.export import export
 from mptune.cli.identify import identify
 from mptune.cli.options import (
     OUT,
@@ -141,6 +142,7 @@ def verify(
 
 app.command()(tune)
 app.command()(identify)
+app.command()(export)
 
 
 @app.command()

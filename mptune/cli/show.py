@@ -17,14 +17,15 @@ from rich.text import Text
 from mptune.params.paper import LEDGER
 from mptune.robust.result import Status
 from mptune.robust.tables import EQUATIONS, margin_rows, place_text, undecided_text
-from mptune.units import number
+from mptune.units import number, shown
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
 
     from mptune.job.run import JobResult
-    from mptune.robust.result import SweepResult
+    from mptune.params.section import Section
+    from mptune.robust.result import Check, SweepResult
     from mptune.verify.result import VerifyResult
 
 _PIPE_WIDTH = 120  # columns, where the output is no terminal
@@ -96,7 +97,7 @@ def sweep(result: SweepResult) -> None:
         )
     console.print(table)
     _margins(result)
-    _requirements(result)
+    requirements(result.checks)
     undecided = undecided_text(result)
     if undecided:
         console.print(verdict(undecided, good=False))
@@ -124,11 +125,12 @@ def _margins(result: SweepResult) -> None:
     console.print(table)
 
 
-def _requirements(result: SweepResult) -> None:
+def requirements(checks: Iterable[Check]) -> None:
+    """Print requirements with what was found."""
     table = new_table("Requirements")
     for heading in ("requirement", "limit", "found", "verdict", "where"):
         table.add_column(heading)
-    for check in result.checks:
+    for check in checks:
         good = check.status is Status.SATISFIED
         table.add_row(
             check.name,
@@ -137,6 +139,21 @@ def _requirements(result: SweepResult) -> None:
             verdict(check.status.value, good=good),
             place_text(check.at),
         )
+    console.print(table)
+
+
+def gains(
+    found: Section, before: Section, before_name: str = "study's own", title: str = "Gains"
+) -> None:
+    """Print gains beside others."""
+    table = new_table(title)
+    for heading in ("key", "symbol"):
+        table.add_column(heading)
+    for heading in ("value", before_name):
+        table.add_column(heading, justify="right")
+    for key, unit, symbol, _ in found.quantities():
+        values = (shown(getattr(one, key), unit) for one in (found, before))
+        table.add_row(key, symbol, *values)
     console.print(table)
 
 

@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.cli.show import console, files, new_table, sweep, verdict
+from mptune.cli.show import console, files, gains, new_table, sweep, verdict
 from mptune.robust.tables import place_text
 from mptune.tune.baselines import LABELS
-from mptune.units import number, shown
+from mptune.units import number
 
 if TYPE_CHECKING:
     from mptune.job.tune import Tuning
@@ -29,7 +29,10 @@ def tuning(result: Tuning) -> None:
 
 def tuned(result: TuneResult) -> None:
     """Print tuned gains, what they gain, and what limits them."""
-    _gains(result)
+    study = result.sweep.study.study
+    gains(result.gains, result.before)
+    if study.objective.free_feedforward:
+        gains(result.feedforward, study.feedforward, title="Feed-forward")
     console.print("Status:", verdict(result.status.value, good=result.blocking is None))
     console.print(_figures(result))
     if result.rounds:
@@ -44,21 +47,6 @@ def tuned(result: TuneResult) -> None:
     if result.blocking is not None:
         _blocking(result.blocking)
     sweep(result.sweep)
-
-
-def _gains(result: TuneResult) -> None:
-    table = new_table("Gains")
-    for heading in ("key", "symbol", "value", "study's own"):
-        table.add_column(heading, justify="right" if heading[0] in "vs" else "left")
-    for key, unit, symbol, _ in result.gains.quantities():
-        values = (shown(getattr(one, key), unit) for one in (result.gains, result.before))
-        table.add_row(key, symbol, *values)
-    own = result.sweep.study.study.feedforward
-    for key, unit, symbol, _ in own.quantities():
-        if getattr(result.feedforward, key) or getattr(own, key):
-            values = (shown(getattr(one, key), unit) for one in (result.feedforward, own))
-            table.add_row(key, symbol, *values)
-    console.print(table)
 
 
 def _figures(result: TuneResult) -> str:

@@ -122,3 +122,23 @@ def read_gains(path: Path, study_hash: str = "") -> GainsFile:
         )
         raise InputError(path, fault)
     return gains
+
+
+def accepted_gains(path: Path, study_hash: str, *, force: bool = False) -> GainsFile:
+    """Read a gains file as a controller does: with satisfied margins, or on insistence.
+
+    Raises
+    ------
+    InputError
+        As ``read_gains``, and where the margins are not satisfied and ``force`` is False.
+    """
+    gains = read_gains(path, study_hash)
+    if gains.margins != "satisfied" and not force:
+        fault = Fault(
+            "margins",
+            gains.margins,
+            "is no verdict that the controller accepts",
+            "tune again, or insist with --force",
+        )
+        raise InputError(path, fault)
+    return gains

@@ -1,0 +1,200 @@
+/* The force controller: estimator (Eq. 4 and 5), cost (Eq. 7 and 8), decision over all 28 x 28. */
+#include "mptune_parts.h"
+
+#define STEPS 4U /* Heun steps in one look ahead */
+#define SUPPLIES 6U
+#define OUT_OF_RANGE R(1e6) /* N, penalty of a pressure outside its limits */
+
+/* What is the same for every valve state of one side. */
+typedef struct {
+    mptune_real pressure;         /* Pa, now */
+    mptune_real taken;            /* m^3/s, by the piston's motion */
+    mptune_real path[STEPS + 1U]; /* Pa/m^3, stiffness at the ends of the steps */
+    mptune_real period;           /* s, to look ahead */
+} chamber;
+
+/* The signed root of a pressure difference, Pa^0.5, smooth about zero. */
+static mptune_real orifice(mptune_real difference)
+{
+    const mptune_real transition = mptune_study.transition_pressure;
+    const mptune_real size = MPTUNE_ABS(difference);
+    mptune_real root = R(0);
+    if (size >= transition) {
+        root = MPTUNE_SQRT(size); /* Eq. 2 */
+        if (difference < R(0)) {
+            root = -root;
+        }
+    } else {
+        root = difference * (R(3) - size / transition) / (R(2) * MPTUNE_SQRT(transition));
+    }
+    return root;
+}
+
+/* Estimated B_eff over volume of one chamber, Pa/m^3. */
+static mptune_real stiffness(uint32_t side, mptune_real position)
+{
+    const mptune_parameters *const p = &mptune_study;
+    mptune_real volume = p->area_a * position + p->dead_a;
+    mptune_real hose = p->hose_a;
+    if (side == MPTUNE_SIDE_B) {
+        volume = p->area_b * (p->stroke - position) + p->dead_b;
+        hose = p->hose_b;
+    }
+    const mptune_real modulus =
+        R(1) / (R(1) / p->oil + hose / volume * (R(1) / p->hose)); /* Eq. 4 */
+    return modulus / volume;
+}
+
+static chamber chamber_of(
+    uint32_t side, mptune_real pressure, mptune_real position, mptune_real velocity,
+    mptune_real period)
+{
+    const mptune_parameters *const p = &mptune_study;
+    chamber one;
+    one.pressure = pressure;
+    one.taken = (side == MPTUNE_SIDE_A) ? (p->area_a * velocity) : (-p->area_b * velocity);
+    one.period = period;
+    for (uint32_t k = 0U; k <= STEPS; k++) {
+        one.path[k] = stiffness(side, position + velocity * period * R(k) / R(STEPS));
+    }
+    return one;
+}
+
+/* Flow over flow coefficient into a chamber at a pressure, Pa^0.5. */
+static mptune_real inflow(
+    const mptune_port *port, const mptune_real supplies[SUPPLIES], mptune_real pressure)
+{
+    mptune_real flow = R(port->first_count) * orifice(supplies[port->first] - pressure);
+    if (port->second_count > 0U) {
+        flow += R(port->second_count) * orifice(supplies[port->second] - pressure);
+    }
+    return flow;
+}
+
+/* The pressure at the end of the look ahead with a valve state held, Pa. */
+static mptune_real predict(
+    const chamber *one, const mptune_port *port, const mptune_real supplies[SUPPLIES])
+{
+    const mptune_real scale = mptune_study.flow_coefficient;
+    const mptune_real step = one->period / R(STEPS);
+    mptune_real pressure = one->pressure;
+    for (uint32_t k = 0U; k < STEPS; k++) {
+        const mptune_real slope_1 =
+            one->path[k] * (scale * inflow(port, supplies, pressure) - one->taken);
+        const mptune_real ahead = pressure + step * slope_1;
+        const mptune_real slope_2 =
+            one->path[k + 1U] * (scale * inflow(port, supplies, ahead) - one->taken);
+        pressure += R(0.5) * step * (slope_1 + slope_2); /* Eq. 5 */
+    }
+    return pressure;
+}
+
+/* What one supply's valves cost: loss in J, Eq. 8, and Q_conv x^3 in m^6/s. */
+static void add_port(
+    uint32_t supply, mptune_real count, mptune_real before, mptune_real after,
+    const mptune_real supplies[SUPPLIES], const mptune_real converters[MPTUNE_CONVERTERS],
+    mptune_real *loss, mptune_real *conversion)
+{
+    const mptune_parameters *const p = &mptune_study;
+    const mptune_real scale = p->flow_coefficient * count;
+    const mptune_real drop_now = supplies[supply] - before;
+    const mptune_real drop_then = supplies[supply] - after;
+    const mptune_real flow_now = scale * orifice(drop_now);
+    const mptune_real flow_then = scale * orifice(drop_then);
+    *loss += R(0.5) * p->sampling_period
+             * (flow_now * drop_now + flow_then * drop_then); /* Eq. 8 */
+    if ((supply >= 1U) && (supply <= MPTUNE_CONVERTERS)) {
+        const mptune_real share = p->predicted_share;
+        const mptune_real drawn = share * flow_then + (R(1) - share) * flow_now;
+        const mptune_real place = converters[supply - 1U];
+        *conversion += -drawn * (place * (place * place));
+    }
+}
+
+/* The force of every state of one side, N, and what it costs beside the force error, N. */
+static void side_costs(
+    const chamber *one, mptune_real area, uint8_t present, const mptune_real supplies[SUPPLIES],
+    const mptune_real converters[MPTUNE_CONVERTERS], mptune_real force[MPTUNE_STATES],
+    mptune_real cost[MPTUNE_STATES])
+{
+    const mptune_parameters *const p = &mptune_study;
+    for (uint32_t i = 0U; i < MPTUNE_STATES; i++) {
+        const mptune_port *const port = &mptune_ports[i];
+        const mptune_real after = predict(one, port, supplies);
+        mptune_real loss = R(0);
+        mptune_real conversion = R(0);
+        if (port->first_count > 0U) {
+            add_port(port->first, R(port->first_count), one->pressure, after, supplies, converters,
+                     &loss, &conversion);
+        }
+        if (port->second_count > 0U) {
+            add_port(port->second, R(port->second_count), one->pressure, after, supplies,
+                     converters, &loss, &conversion);
+        }
+        mptune_real total = p->weight_switching * R(mptune_switches[present][i]); /* Eq. 7 */
+        total += p->weight_loss * loss;
+        total += p->weight_converter * conversion;
+        if ((after < p->pressure_min) || (after > p->pressure_max)) {
+            total += OUT_OF_RANGE;
+        }
+        force[i] = area * after;
+        cost[i] = total;
+    }
+}
+
+/* Take the cheapest of all combinations, the first of several equal ones. */
+static uint8_t cheapest(
+    mptune_real wanted, const mptune_real force_a[MPTUNE_STATES],
+    const mptune_real cost_a[MPTUNE_STATES], const mptune_real force_b[MPTUNE_STATES],
+    const mptune_real cost_b[MPTUNE_STATES], uint8_t choice[2])
+{
+    mptune_real best = MPTUNE_BEYOND;
+    uint8_t found = 0U;
+    choice[0] = 0U;
+    choice[1] = 0U;
+    for (uint8_t a = 0U; a < MPTUNE_STATES; a++) {
+        for (uint8_t b = 0U; b < MPTUNE_STATES; b++) {
+            const mptune_real total =
+                MPTUNE_ABS(wanted - (force_a[a] - force_b[b])) + cost_a[a] + cost_b[b]; /* Eq. 7 */
+            if (total < best) {
+                best = total;
+                choice[0] = a;
+                choice[1] = b;
+                found = 1U;
+            }
+        }
+    }
+    return found;
+}
+
+uint8_t mptune_decide(mptune_state *state, mptune_real velocity)
+{
+    const mptune_parameters *const p = &mptune_study;
+    const mptune_real lag = p->delay_prediction;
+    mptune_real pressure_a = state->filtered[MPTUNE_CHAMBER_A];
+    mptune_real pressure_b = state->filtered[MPTUNE_CHAMBER_B];
+    mptune_real position = state->history[0];
+    mptune_real supplies[SUPPLIES];
+    for (uint32_t i = 0U; i < SUPPLIES; i++) {
+        const mptune_real low = state->filtered[MPTUNE_LOW];
+        supplies[i] = low + R(i) / R(5) * (state->filtered[MPTUNE_HIGH] - low);
+    }
+    if (lag > R(0)) { /* carried through the valve delay with the present states */
+        const chamber a = chamber_of(MPTUNE_SIDE_A, pressure_a, position, velocity, lag);
+        const chamber b = chamber_of(MPTUNE_SIDE_B, pressure_b, position, velocity, lag);
+        pressure_a = predict(&a, &mptune_ports[state->choice[0]], supplies);
+        pressure_b = predict(&b, &mptune_ports[state->choice[1]], supplies);
+        position += velocity * lag;
+    }
+    mptune_real force_a[MPTUNE_STATES];
+    mptune_real cost_a[MPTUNE_STATES];
+    mptune_real force_b[MPTUNE_STATES];
+    mptune_real cost_b[MPTUNE_STATES];
+    const chamber a =
+        chamber_of(MPTUNE_SIDE_A, pressure_a, position, velocity, p->sampling_period);
+    const chamber b =
+        chamber_of(MPTUNE_SIDE_B, pressure_b, position, velocity, p->sampling_period);
+    side_costs(&a, p->area_a, state->choice[0], supplies, state->converters, force_a, cost_a);
+    side_costs(&b, p->area_b, state->choice[1], supplies, state->converters, force_b, cost_b);
+    return cheapest(state->force, force_a, cost_a, force_b, cost_b, state->choice);
+}

@@ -1,0 +1,54 @@
+/* The controller's parts: numbers, signals, outer loops, force controller. Not for callers. */
+#ifndef MPTUNE_PARTS_H
+#define MPTUNE_PARTS_H
+
+#include "mptune_controller.h"
+
+#if defined(__STDC_HOSTED__) && (__STDC_HOSTED__ == 1)
+#include <math.h>
+#else
+float sqrtf(float value);
+float fabsf(float value);
+double sqrt(double value);
+double fabs(double value);
+#endif
+
+#if MPTUNE_SINGLE_PRECISION
+#define MPTUNE_SQRT sqrtf
+#define MPTUNE_ABS fabsf
+#else
+#define MPTUNE_SQRT sqrt
+#define MPTUNE_ABS fabs
+#endif
+
+#define R(value) ((mptune_real)(value))
+#define MPTUNE_BEYOND R(1e30) /* larger than any number that means something here */
+
+#define MPTUNE_POSITION 0U /* places of the sampled signals */
+#define MPTUNE_CHAMBER_A 1U
+#define MPTUNE_CHAMBER_B 2U
+#define MPTUNE_HIGH 3U
+#define MPTUNE_LOW 4U
+#define MPTUNE_CONVERTER 5U
+
+#define MPTUNE_SIDE_A 0U
+#define MPTUNE_SIDE_B 1U
+
+/* The lesser and the larger of two; the first where they are equal or not comparable. */
+mptune_real mptune_min(mptune_real first, mptune_real second);
+mptune_real mptune_max(mptune_real first, mptune_real second);
+uint8_t mptune_within(mptune_real value, mptune_real least, mptune_real largest);
+
+/* Signals: one T_S,fast. */
+void mptune_lag_references(mptune_state *state, const mptune_inputs *inputs);
+void mptune_measure(mptune_state *state, const mptune_real sample[MPTUNE_SIGNALS]);
+mptune_real mptune_velocity(const mptune_state *state); /* m/s, Eq. 23 */
+
+/* Outer loops: one T_S. The loops return 0 where they left the range of numbers. */
+uint8_t mptune_outer_loops(mptune_state *state, const mptune_inputs *inputs, mptune_real velocity);
+void mptune_stop_logic(mptune_state *state, const mptune_inputs *inputs);
+
+/* Force controller: one T_S. It changes the choice, and returns 0 where no cost is a number. */
+uint8_t mptune_decide(mptune_state *state, mptune_real velocity);
+
+#endif

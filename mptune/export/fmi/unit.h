@@ -1,0 +1,40 @@
+/* One instance of the controller behind either version of the interface. */
+#ifndef MPTUNE_UNIT_H
+#define MPTUNE_UNIT_H
+
+#include <stddef.h>
+
+#include "mptune_controller.h"
+#include "unit_token.h"
+
+/* Value references, as in modelDescription.xml */
+#define UNIT_LOAD_FORCE 12U /* below it: the twelve members of mptune_inputs, in order */
+#define UNIT_FORCE_REFERENCE 13U
+#define UNIT_STATE_A 14U
+#define UNIT_STATE_B 15U
+#define UNIT_FAULT 16U
+#define UNIT_STOPPED 17U
+#define UNIT_DECIDED 18U
+#define UNIT_VALVE 19U /* to UNIT_TIME - 1: the 24 valves, side A first */
+#define UNIT_TIME 43U  /* the independent variable of FMI 3.0 */
+
+/* All that changes: a copy of it is the state of the unit. */
+typedef struct {
+    mptune_state state;
+    mptune_inputs inputs;
+    mptune_outputs outputs;
+    mptune_real load_force;
+    double time;
+    int running; /* 1 once initialized */
+} unit_memory;
+
+/* Each returns 1 where it could be done, else 0. */
+int unit_get_real(const unit_memory *memory, unsigned int reference, double *value);
+int unit_set_real(unit_memory *memory, unsigned int reference, double value);
+int unit_get_integer(const unit_memory *memory, unsigned int reference, int *value);
+int unit_get_boolean(const unit_memory *memory, unsigned int reference, int *value);
+int unit_start(unit_memory *memory);
+int unit_step(unit_memory *memory, double step);
+void unit_reset(unit_memory *memory); /* to the start values of modelDescription.xml */
+
+#endif

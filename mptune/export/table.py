@@ -1,0 +1,80 @@
+"""The controller's numbers as a TOML or a JSON file."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any
+
+import tomlkit
+
+from mptune.export.controller import WARNING
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mptune.export.controller import Controller
+
+_TITLE = (
+    "A controller in SI units, written by mptune. Do not edit: the margins hold for it as it is."
+)
+
+
+def as_toml(controller: Controller) -> str:
+    """Return the controller as TOML: a table for each section, unit and meaning in comments."""
+    document = tomlkit.document()
+    for line in controller.heading(_TITLE):
+        document.add(tomlkit.comment(line) if line else tomlkit.nl())
+    document.add("provenance", tomlkit.item(controller.provenance()))
+    document.add("verdict", tomlkit.item(_verdict(controller)))
+    for name, values in _sections(controller):
+        table = tomlkit.table()
+        for key, value, unit, meaning in values:
+            item = tomlkit.item(value)
+            item.comment(f"{unit if unit != '1' else '-'}, {meaning}")
+            table.add(key, item)
+        document.add(name, table)
+    return tomlkit.dumps(document)
+
+
+def as_json(controller: Controller) -> str:
+    """Return the controller as JSON: each number with value, unit and meaning."""
+    values: dict[str, Any] = {"title": _TITLE}
+    if not controller.trusted:
+        values["warning"] = " ".join(WARNING)
+    values |= {"provenance": controller.provenance(), "verdict": _verdict(controller)}
+    for name, section in _sections(controller):
+        values[name] = {
+            key: {"value": value, "unit": unit, "meaning": meaning}
+            for key, value, unit, meaning in section
+        }
+    return json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+
+
+def _verdict(controller: Controller) -> dict[str, Any]:
+    """Return the verdicts; TOML has no word for what could not be found, so it is left out."""
+    requirements = [
+        {key: value for key, value in one.items() if value is not None}
+        for one in controller.verdicts()
+    ]
+    return {
+        "margins": controller.verdict,
+        "margins_in_gains_file": controller.source.margins,
+        "closed_loop": controller.source.closed_loop,
+        "forced": not controller.trusted,
+        "requirements": requirements,
+    }
+
+
+def _sections(
+    controller: Controller,
+) -> Iterator[tuple[str, list[tuple[str, float, str, str]]]]:
+    for section in (controller.gains, controller.feedforward):
+        yield (
+            type(section).__name__.lower(),
+            [
+                (key, getattr(section, key), unit, f"{symbol}, {meaning}")
+                for key, unit, symbol, meaning in section.quantities()
+            ],
+        )
+    for name, numbers in controller.numbers.sections.items():
+        yield name, [(one.key, one.value, one.unit, one.meaning) for one in numbers]

@@ -1,0 +1,171 @@
+"""Enough of IEC 61131-3 Structured Text to check the export's grammar and to run it.
+
+A grammar after the standard's annex for functions, function blocks and global constants, and an
+interpreter over its tree. Block instances are called with named inputs.
+"""
+
+from __future__ import annotations
+
+import operator
+
+from lark import Lark, Token
+
+GRAMMAR = r"""
+    start: (globals | function | block)+
+    globals: "VAR_GLOBAL" "CONSTANT" constant+ "END_VAR"
+    constant: NAME ":" TYPE ":=" SIGN? REAL ";"
+    function: FUNCTION NAME ":" TYPE section* body "END_FUNCTION"
+    block: "FUNCTION_BLOCK" NAME section* body "END_FUNCTION_BLOCK"
+    section: KIND variable+ "END_VAR"
+    variable: NAME ":" (TYPE | NAME) ";"
+    body: statement*
+    ?statement: NAME ":=" expression ";" -> assign
+        | IF expression THEN body (ELSE body)? "END_IF" ";" -> branch
+        | NAME "(" binding ("," binding)* ")" ";" -> call_block
+    binding: NAME ":=" expression
+    ?expression: conjunction (OR conjunction)*
+    ?conjunction: comparison (AND comparison)*
+    ?comparison: sum (COMPARE sum)?
+    ?sum: product (ADD product)*
+    ?product: unary (MULTIPLY unary)*
+    ?unary: NOT unary -> negate
+        | SIGN unary -> minus
+        | primary
+    ?primary: REAL -> real
+        | "(" expression ")"
+        | NAME "(" expression ("," expression)* ")" -> call
+        | NAME "." NAME -> member
+        | NAME -> name
+    FUNCTION.3: /FUNCTION\b/
+    IF.3: /IF\b/
+    THEN.3: /THEN\b/
+    ELSE.3: /ELSE\b/
+    OR.3: /OR\b/
+    AND.3: /AND\b/
+    NOT.3: /NOT\b/
+    KIND.3: /VAR_INPUT\b/ | /VAR_OUTPUT\b/ | /VAR\b/
+    TYPE.3: /LREAL\b/ | /REAL\b/ | /BOOL\b/
+    COMPARE: "<=" | ">=" | "<>" | "<" | ">" | "="
+    ADD: "+" | "-"
+    SIGN: "-"
+    MULTIPLY: "*" | "/"
+    NAME: /[A-Za-z_][A-Za-z0-9_]*/
+    REAL: /[0-9]+\.[0-9]+(E[+-]?[0-9]+)?/
+    COMMENT: /\(\*(.|\n)*?\*\)/
+    %import common.WS
+    %ignore WS
+    %ignore COMMENT
+"""
+PARSER = Lark(GRAMMAR, parser="lalr")
+_OPERATORS = {
+    "+": operator.add,
+    "-": operator.sub,
+    "*": operator.mul,
+    "/": operator.truediv,
+    "<": operator.lt,
+    ">": operator.gt,
+    "<=": operator.le,
+    ">=": operator.ge,
+    "=": operator.eq,
+    "<>": operator.ne,
+    "AND": lambda one, other: one and other,
+    "OR": lambda one, other: one or other,
+}
+_LIBRARY = {"ABS": abs, "MIN": min, "MAX": max}
+
+
+class Program:
+    """Constants, functions and function blocks of a text."""
+
+    def __init__(self, text):
+        tree = PARSER.parse(text)
+        self.constants = {
+            one.children[0].value: float("".join(one.children[2:]))
+            for one in tree.find_data("constant")
+        }
+        self.functions = {one.children[1].value: one for one in tree.find_data("function")}
+        self.blocks = {one.children[0].value: one for one in tree.find_data("block")}
+
+    def instance(self, name):
+        return Instance(self, self.blocks[name].children[1:])
+
+
+class Instance:
+    """A function block, or one call of a function, with its variables."""
+
+    def __init__(self, program, parts):
+        self.program, self.body, self.values = program, parts[-1], {}
+        for section in parts[:-1]:
+            for variable in section.children[1:]:
+                name, kind = variable.children
+                if kind.type == "TYPE":
+                    self.values[name.value] = False if kind == "BOOL" else 0.0
+                else:
+                    self.values[name.value] = program.instance(kind.value)
+
+    def __getattr__(self, name):
+        return self.values[name]
+
+    def __call__(self, **inputs):
+        assert inputs.keys() <= self.values.keys()
+        self.values |= inputs
+        self._run(self.body)
+
+    def _run(self, body):
+        for statement in body.children:
+            getattr(self, f"_{statement.data}")(*statement.children)
+
+    def _assign(self, name, expression):
+        assert name.value in self.values, name
+        self.values[name.value] = self._value(expression)
+
+    def _branch(self, _if, condition, _then, body, _else=None, otherwise=None):
+        if self._value(condition):
+            self._run(body)
+        elif otherwise is not None:
+            self._run(otherwise)
+
+    def _call_block(self, name, *bindings):
+        inputs = {key.value: self._value(value) for key, value in (b.children for b in bindings)}
+        self.values[name.value](**inputs)
+
+    def _value(self, tree):
+        own = getattr(Instance, f"_value_{tree.data}", None)
+        return own(self, *tree.children) if own else self._folded(tree.children)
+
+    def _value_real(self, digits):
+        return float(digits)
+
+    def _value_name(self, name):
+        known = self.values if name.value in self.values else self.program.constants
+        return known[name.value]
+
+    def _value_member(self, instance, name):
+        return self.values[instance.value].values[name.value]
+
+    def _value_call(self, name, *arguments):
+        return self._called(name.value, [self._value(one) for one in arguments])
+
+    def _value_negate(self, _not, operand):
+        return not self._value(operand)
+
+    def _value_minus(self, _sign, operand):
+        return -self._value(operand)
+
+    def _folded(self, parts):
+        """Return a chain of operators, from the left."""
+        result = self._value(parts[0])
+        for sign, part in zip(parts[1::2], parts[2::2], strict=True):
+            assert isinstance(sign, Token)
+            result = _OPERATORS[sign.value](result, self._value(part))
+        return result
+
+    def _called(self, name, arguments):
+        if name in _LIBRARY:
+            return _LIBRARY[name](*arguments)
+        parts = self.program.functions[name].children
+        call = Instance(self.program, parts[3:])
+        call.values[name] = 0.0
+        inputs = [key for key in call.values if key != name]
+        call(**dict(zip(inputs, arguments, strict=True)))
+        return call.values[name]
