@@ -54,6 +54,7 @@ def compared_controllers(rows: tuple[Baseline, ...]) -> Figure:
         bars.set(xlabel="Worst performance index [ms]", xlim=(0, 1.18 * max(index)), title="Index")
         bars.set_ylim(len(rows) - 0.5, -0.5)
         bars.grid(visible=False, axis="y")
+        bars.set_axisbelow(True)
         legend_below(figure, sides)
     return figure
 
