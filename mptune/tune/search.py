@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 _ROUNDS = 8
 _TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved
 _SMALLER = (1.0, 0.5, 0.25)  # of the position gains, tried where no convex start is known
+_REPEATS, _GAINED = 4, 1e-3  # of a polish, and what makes another one worth its while
 _BINDING = 2e-3  # of a logarithm
 _MET = 1e-5  # an excess that counts as none
 
@@ -136,7 +137,7 @@ class Search:
     def _improve(self, starts: list[FloatArray], progress: Callable[[float], None]) -> Searched:
         outcomes = []
         for n, start in enumerate(starts):
-            outcomes.append(self._polish(start))
+            outcomes.append(self._settled(start))
             progress(0.8 * (n + 1) / len(starts))
         best = min(outcomes, key=_rank)
         rounds: list[Round] = []
@@ -149,7 +150,7 @@ class Search:
             rounds.append(Round(best.values.cost, float(np.exp(largest)), plants))
             if not (more or slower):
                 break
-            best = self._polish(best.point)
+            best = self._settled(best.point)
         feasible = best.values.feasible and largest <= _MET
         if not feasible:  # the gains nearest to every requirement, whatever the objective
             best = self._polish(best.point, np.ones(len(best.values.excesses), np.bool_))
@@ -201,6 +202,24 @@ class Search:
         gains = choice.gains
         smaller = gains._replace(k_p_pos=share * gains.k_p_pos, k_i_pos=share**2 * gains.k_i_pos)
         return self._space.point(choice._replace(gains=smaller))
+
+    def _settled(self, start: FloatArray) -> Polished:
+        """Return the outcome of polishing until polishing again brings nothing.
+
+        A start that does not keep the requirements is first moved to where it keeps them best.
+        """
+        first = self._evaluate(start)
+        if not first.feasible:
+            start = self._polish(start, np.ones(len(first.excesses), np.bool_)).point
+        best = self._polish(start)
+        for _ in range(_REPEATS):
+            again = self._polish(best.point)
+            better = again.values.cost < (1 - _GAINED) * best.values.cost
+            if _rank(again) < _rank(best):
+                best = again
+            if not better:
+                break
+        return best
 
     def _polish(self, start: FloatArray, relieved: np.ndarray | None = None) -> Polished:
         found = polish(self._evaluate, start, self._space.low, self._space.high, relieved)
