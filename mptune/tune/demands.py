@@ -33,6 +33,7 @@ _MARGIN_POINTS = 150  # peaks are refined between them
 _IN_HAND = 5 * CONVERGED  # of a ratio, for what the grid does not see
 _GROWN = 1e-3  # of a quotient's logarithm: a plant that is worse by less is not added
 _ROUNDING = 1e-5  # kept in hand of every other limit
+_FARTHEST = -5.0  # below a limit: a margin without limit is no farther
 _UNSTABLE = 7.0  # a peak's logarithm where there is no finite one
 
 POSITION, NOISE = "position_ratio", "noise_gain"
@@ -117,7 +118,7 @@ class Demands:
         parts += [values for _, values, _ in self._peak_excesses(gains, self._true)]
         parts += [values for _, values, _ in self._sampled_excesses(gains, self._sampled)]
         noise = self._noise_excess(gains)
-        return np.concatenate([*parts, noise])
+        return np.maximum(np.concatenate([*parts, noise]), _FARTHEST)
 
     def worst(self, gains: LoopGains) -> tuple[Found, ...]:
         """Return each requirement's worst over the whole family."""

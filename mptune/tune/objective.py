@@ -23,6 +23,7 @@ BINS = 16  # of time: the error's peak in each is a smooth function of the gains
 _SAMPLES_PER_MOVE = 20 * BINS
 _LOAD_TIME = 12.0  # over K_P,pos: long after the peak
 _LOAD_SAMPLES = 400
+_SLOW = 0.7  # of the slowest corner's index: corners below it are left to ``grow``
 KINDS = ("tracking", "disturbance", "load-step", "bandwidth")
 
 
@@ -66,13 +67,16 @@ def weights_of(objective: Objective) -> dict[str, float]:
 class Judge:
     """Computes the figures of merit of one task, on the plants that are worst in them.
 
-    It starts with the family's corners, and ``grow`` asks the whole family.
+    It starts with those of the family's corners that are slow in tracking with the given
+    candidate, and ``grow`` asks the whole family.
     """
 
-    def __init__(self, task: Task) -> None:
+    def __init__(self, task: Task, start: Choice) -> None:
         self._task = task
         self._sampled = task.study.study.objective.tracking_loop == "sampled"
         self._tracking = self._loaded = task.corners()
+        peaks = self.tracking_peaks(start).max(axis=(1, 2))
+        self._tracking = self._tracking[peaks >= _SLOW * peaks.max()]
 
     @property
     def plants(self) -> int:

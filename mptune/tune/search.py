@@ -137,9 +137,9 @@ class Search:
     def _improve(self, starts: list[FloatArray], progress: Callable[[float], None]) -> Searched:
         outcomes = []
         for n, start in enumerate(starts):
-            outcomes.append(self._settled(start))
-            progress(0.8 * (n + 1) / len(starts))
-        best = min(outcomes, key=_rank)
+            outcomes.append(self._polish(self._kept_best(start)))
+            progress(0.7 * (n + 1) / len(starts))
+        best = self._settled(min(outcomes, key=_rank))
         rounds: list[Round] = []
         for _ in range(_ROUNDS):
             choice = self._space.choice(best.point)
@@ -150,7 +150,7 @@ class Search:
             rounds.append(Round(best.values.cost, float(np.exp(largest)), plants))
             if not (more or slower):
                 break
-            best = self._settled(best.point)
+            best = self._settled(self._polish(best.point))
         feasible = best.values.feasible and largest <= _MET
         if not feasible:  # the gains nearest to every requirement, whatever the objective
             best = self._polish(best.point, np.ones(len(best.values.excesses), np.bool_))
@@ -203,15 +203,15 @@ class Search:
         smaller = gains._replace(k_p_pos=share * gains.k_p_pos, k_i_pos=share**2 * gains.k_i_pos)
         return self._space.point(choice._replace(gains=smaller))
 
-    def _settled(self, start: FloatArray) -> Polished:
-        """Return the outcome of polishing until polishing again brings nothing.
-
-        A start that does not keep the requirements is first moved to where it keeps them best.
-        """
+    def _kept_best(self, start: FloatArray) -> FloatArray:
+        """Return the start, or, where it breaks requirements, the point that keeps them best."""
         first = self._evaluate(start)
-        if not first.feasible:
-            start = self._polish(start, np.ones(len(first.excesses), np.bool_)).point
-        best = self._polish(start)
+        if first.feasible:
+            return start
+        return self._polish(start, np.ones(len(first.excesses), np.bool_)).point
+
+    def _settled(self, best: Polished) -> Polished:
+        """Return the outcome of polishing until polishing again brings nothing."""
         for _ in range(_REPEATS):
             again = self._polish(best.point)
             better = again.values.cost < (1 - _GAINED) * best.values.cost

@@ -57,8 +57,8 @@ class Tuner:
     def __init__(self, study: ResolvedStudy) -> None:
         self._study, self._task = study, Task.of(study)
         task, bounds = self._task, study.study.requirements.bounds
-        self._judge = Judge(task)
         self._own = Choice(task.start, study.study.feedforward)
+        self._judge = Judge(task, self._own)
         self._before = self._judge.figures(self._own)
         self._velocity = largest_velocity_gain(
             task.plants,
