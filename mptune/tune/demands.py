@@ -118,7 +118,7 @@ class Demands:
         parts += [values for _, values, _ in self._peak_excesses(gains, self._true)]
         parts += [values for _, values, _ in self._sampled_excesses(gains, self._sampled)]
         noise = self._noise_excess(gains)
-        return np.maximum(np.concatenate([*parts, noise]), _FARTHEST)
+        return np.asarray(np.maximum(np.concatenate([*parts, noise]), _FARTHEST))
 
     def worst(self, gains: LoopGains) -> tuple[Found, ...]:
         """Return each requirement's worst over the whole family."""

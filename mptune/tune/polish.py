@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mptune.arrays import BoolArray, FloatArray
 
 _STEP = 1e-5  # of the forward differences, on logarithmic scales
-_ITERATIONS = 60
+_ITERATIONS = 150
 _PRECISION = 1e-6
 _MET = 1e-6  # an excess that counts as none
 

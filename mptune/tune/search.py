@@ -26,8 +26,10 @@ if TYPE_CHECKING:
 
 _ROUNDS = 8
 _TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved
+_VELOCITY_SHARES = (1.0, 0.6)  # of the study's own velocity gain, where it is free
+_SCATTERED, _SCATTER = 8, 0.8  # random starts where it is free, and how far off, in logarithms
 _SMALLER = (1.0, 0.5, 0.25)  # of the position gains, tried where no convex start is known
-_REPEATS, _GAINED = 4, 1e-3  # of a polish, and what makes another one worth its while
+_REPEATS, _GAINED = 6, 1e-3  # of a polish, and what makes another one worth its while
 _BINDING = 2e-3  # of a logarithm
 _MET = 1e-5  # an excess that counts as none
 
@@ -92,7 +94,9 @@ class Search:
     ) -> None:
         self._task, self._judge, self._before = task, judge, before
         self._space = space_of(task, largest_velocity_gain, structure, extra)
-        self._start = task.start._replace(k_p_vel=largest_velocity_gain)
+        free = "k_p_vel" in self._space.names
+        own = task.start.k_p_vel if free else largest_velocity_gain
+        self._start = task.start._replace(k_p_vel=min(own, largest_velocity_gain))
         self._demands = Demands(task, self._start)
         self._weights = weights_of(task.study.study.objective)
         self._kept: dict[str, float] = {}  # earlier objectives and the most that they may become
@@ -175,14 +179,32 @@ class Search:
         if self._space.structure != "eq22":
             return [self._scaled(own, share) for share in _SMALLER]
         limits = self._space.limits()
-        core = Core(self._task, self._start, self._task.corners(), limits)
         low, high = np.log(limits["tau"])
         kind = max(self._weights, key=lambda kind: self._weights[kind])
         points = [self._space.point(own)]
-        for share in _TAU_SHARES[: 1 if low == high else None]:
-            _, gains = core.shaped(float(np.exp(low + share * (high - low))), kind)
-            points.append(self._space.point(own._replace(gains=gains)))
-        return points
+        for gain in self._velocity_gains():
+            start = self._start._replace(k_p_vel=gain)
+            core = Core(self._task, start, self._task.corners(), limits)
+            for share in _TAU_SHARES[: 1 if low == high else None]:
+                _, gains = core.shaped(float(np.exp(low + share * (high - low))), kind)
+                points.append(self._space.point(own._replace(gains=gains)))
+        return points + self._scattered(points[0])
+
+    def _scattered(self, centre: FloatArray) -> list[FloatArray]:
+        """Return points about the first start, where so much is free that local optima abound."""
+        if "k_p_vel" not in self._space.names:
+            return []
+        from scipy.stats import qmc
+
+        shares = qmc.Sobol(len(centre), rng=np.random.default_rng(0)).random(_SCATTERED)
+        points = centre + _SCATTER * (2 * shares - 1)
+        return list(np.clip(points, self._space.low, self._space.high))
+
+    def _velocity_gains(self) -> tuple[float, ...]:
+        """Return the velocity gains of the convex starts: smaller ones too where it is free."""
+        if "k_p_vel" not in self._space.names:
+            return (self._start.k_p_vel,)
+        return tuple(share * self._start.k_p_vel for share in _VELOCITY_SHARES)
 
     def _matched_feedforward(self) -> Feedforward:
         """Return the study's feed-forward, what is free of it matched to the machine.
