@@ -14,8 +14,11 @@ from typing import Annotated
 
 import typer
 
+from mptune.cli.campaign import campaign
 from mptune.cli.options import (
     OUT,
+    ForceOption,
+    GainsOption,
     JsonOption,
     OutOption,
     QuietOption,
@@ -74,9 +77,7 @@ def run(
 @app.command()
 def sweep(
     study: StudyArgument,
-    gains: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="A gains file; else the study's own.")
-    ] = None,
+    gains: GainsOption = None,
     override: SetOption = None,
     uncertainty: UncertaintyOption = "",
     out: OutOption = OUT,
@@ -129,12 +130,8 @@ def tune(
 @app.command()
 def verify(
     study: StudyArgument,
-    gains: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="A gains file; else the study's own.")
-    ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Take gains whose margins are not satisfied.")
-    ] = False,
+    gains: GainsOption = None,
+    force: ForceOption = False,
     override: SetOption = None,
     uncertainty: UncertaintyOption = "",
     out: OutOption = OUT,
@@ -155,6 +152,9 @@ def verify(
         show.verified(result)
         show.files(files)
     finish(met=result.satisfied)
+
+
+app.command()(campaign)
 
 
 @app.command()

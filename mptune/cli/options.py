@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -17,6 +17,12 @@ SetOption = Annotated[
 UncertaintyOption = Annotated[
     str, typer.Option(metavar="NAME", help="Uncertainty set; the default one where not given.")
 ]
+GainsOption = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="A gains file; else the study's own.")
+]
+ForceOption = Annotated[
+    bool, typer.Option("--force", help="Take gains whose margins are not satisfied.")
+]
 OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder for results.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
@@ -24,6 +30,6 @@ QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")
 OUT = Path("reports")
 
 
-def finish(*, met: bool) -> None:
+def finish(*, met: bool) -> NoReturn:
     """Leave with status 0 where every requirement is met, else 1."""
     raise typer.Exit(0 if met else _NOT_MET)

@@ -70,17 +70,19 @@ def progress(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
         yield report
 
 
-def _table(title: str) -> Table:
+def new_table(title: str) -> Table:
+    """Return an empty table."""
     return Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
 
 
-def _verdict(text: str, *, good: bool) -> Text:
+def verdict_text(text: str, *, good: bool) -> Text:
+    """Return a verdict, coloured."""
     return Text(text, style="green" if good else "bold red")
 
 
 def sweep(result: SweepResult) -> None:
     """Print both conditions, the family's margins and the requirements."""
-    table = _table("Robust stability over the family")
+    table = new_table("Robust stability over the family")
     for heading in ("condition", "left/right", "margin", "worst at", "premises", "verdict"):
         table.add_column(heading)
     for condition in result.conditions:
@@ -91,8 +93,8 @@ def sweep(result: SweepResult) -> None:
             f"{condition.worst_ratio:.4f}",
             f"{condition.margin:.3f}",
             place or place_text(condition.at),
-            _verdict("hold" if premises else "FAIL", good=premises),
-            _verdict(condition.status.value, good=condition.satisfied),
+            verdict_text("hold" if premises else "FAIL", good=premises),
+            verdict_text(condition.status.value, good=condition.satisfied),
         )
     console.print(table)
     _margins(result)
@@ -100,7 +102,7 @@ def sweep(result: SweepResult) -> None:
 
 
 def _margins(result: SweepResult) -> None:
-    table = _table("Worst margins of the true family")
+    table = new_table("Worst margins of the true family")
     table.add_column("margin")
     for loop in ("velocity", "position", "at F_ref"):
         for path in ("no path", "with path"):
@@ -110,7 +112,7 @@ def _margins(result: SweepResult) -> None:
     table.add_row(
         "unstable plants",
         *(
-            _verdict(str(count), good=count == 0)
+            verdict_text(str(count), good=count == 0)
             for loop in range(3)
             for family in result.families
             for count in [int((~(family.stable if loop else family.velocity_stable)).sum())]
@@ -120,7 +122,7 @@ def _margins(result: SweepResult) -> None:
 
 
 def _requirements(result: SweepResult) -> None:
-    table = _table("Requirements")
+    table = new_table("Requirements")
     for heading in ("requirement", "limit", "found", "verdict", "where"):
         table.add_column(heading)
     for check in result.checks:
@@ -129,14 +131,14 @@ def _requirements(result: SweepResult) -> None:
             check.name,
             check.limit,
             number(check.found),
-            _verdict(check.status.value, good=good),
+            verdict_text(check.status.value, good=good),
             place_text(check.at),
         )
     console.print(table)
 
 
 def _gains(gains: Gains, before: Gains) -> None:
-    table = _table("Gains")
+    table = new_table("Gains")
     for heading in ("key", "symbol", "value", "study's own"):
         table.add_column(heading, justify="right" if heading[0] in "vs" else "left")
     for key, unit, symbol, _ in gains.quantities():
@@ -150,7 +152,7 @@ def tuned(result: TuneResult) -> None:
     _gains(result.gains, result.before)
     before, after = result.figures_before, result.figures
     good = result.blocking is None
-    console.print("Status:", _verdict(result.status.value, good=good))
+    console.print("Status:", verdict_text(result.status.value, good=good))
     console.print(
         f"Tracking index {1e3 * before.tracking:.2f} → {1e3 * after.tracking:.2f} ms, "
         f"K_I,pos {before.integral_gain:.3g} → {after.integral_gain:.3g} 1/s², "
@@ -167,7 +169,7 @@ def tuned(result: TuneResult) -> None:
 def job(result: JobResult) -> None:
     """Print a summary of the whole job."""
     tuned(result.tuned)
-    table = _table("Linear check: sampled loop with its filters")
+    table = new_table("Linear check: sampled loop with its filters")
     for heading in ("mass", "valve delay", "index, study's own gains", "index, tuned"):
         table.add_column(heading, justify="right")
     for case, before in zip(result.moves, result.moves_before, strict=True):
@@ -177,7 +179,7 @@ def job(result: JobResult) -> None:
             *(
                 f"{one.performance_index_ms:.1f} ms"
                 if one.stable
-                else _verdict("unstable", good=False)
+                else verdict_text("unstable", good=False)
                 for one in (before, case)
             ),
         )
@@ -189,13 +191,15 @@ def job(result: JobResult) -> None:
     files(result.files)
     met = result.satisfied
     console.print(
-        _verdict("Every requirement is met." if met else "Some requirement is not met.", good=met)
+        verdict_text(
+            "Every requirement is met." if met else "Some requirement is not met.", good=met
+        )
     )
 
 
 def verified(result: VerifyResult) -> None:
     """Print each machine's figures and status."""
-    table = _table("The nonlinear machine")
+    table = new_table("The nonlinear machine")
     headings = ("mass", "oil", "seed", "index [ms]", "loss [J/mm]", "∫ΔF² [kN² s]", "final [mm]")
     for heading in (*headings, "converter [mm]", "switches"):
         table.add_column(heading, justify="right")
@@ -211,7 +215,7 @@ def verified(result: VerifyResult) -> None:
             number(case.span("final_error_mm")[1], 2),
             number(case.span("converter_peak_mm")[1], 3),
             number(case.mean("valve_switches"), 4),
-            _verdict(case.status.value, good=case.stable),
+            verdict_text(case.status.value, good=case.stable),
         )
     console.print(table)
     for case in result.cases:

@@ -4,9 +4,13 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.params.gains import GainsFile, Verdict, now, version
+from mptune.errors import Fault, InputError
+from mptune.params.gains import GainsFile, Verdict, now, read_gains, version
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
+    from mptune.params.study import ResolvedStudy
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
     from mptune.verify.result import VerifyResult
@@ -44,3 +48,23 @@ def gains_file(
         feedforward=swept.study.study.feedforward,
         figures={"margins": worst, "closed_loop": index},
     )
+
+
+def accepted_gains(study: ResolvedStudy, path: Path | None, *, force: bool) -> GainsFile | None:
+    """Return what a gains file says; None where none is given and the study's own are meant.
+
+    Raises
+    ------
+    InputError
+        If the file is not for this study, or its margins are not satisfied and ``force`` is False.
+    """
+    file = read_gains(path, study.hash()) if path else None
+    if file is not None and file.margins != "satisfied" and not force:
+        fault = Fault(
+            "margins",
+            file.margins,
+            "is no verdict that the controller accepts",
+            "tune again, or insist with --force",
+        )
+        raise InputError(path, fault)
+    return file

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
-from mptune.params.gains import read_gains
+from mptune.job.gains import accepted_gains
 from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
 
@@ -36,15 +35,7 @@ def verify_study(
     from mptune.figures.machine import machine_traces
     from mptune.figures.style import to_svg
 
-    file = read_gains(gains, study.hash()) if gains else None
-    if file is not None and file.margins != "satisfied" and not force:
-        fault = Fault(
-            "margins",
-            file.margins,
-            "is no verdict that the controller accepts",
-            "tune again, or insist with --force",
-        )
-        raise InputError(gains or study.name, fault)
+    file = accepted_gains(study, gains, force=force)
     folder = make_folder(out / study.name)
     progress("verify", 0.0)
     verified = verify(

@@ -8,6 +8,7 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
+from mptune.params.campaign import Campaign
 from mptune.params.controller import Controller, Feedforward, Gains
 from mptune.params.machine import Cylinder, Hose, Load, Oil, Supplies, Valves
 from mptune.params.manoeuvre import Manoeuvre, Verification
@@ -37,6 +38,7 @@ class Study(Section):
     objective: Objective = Objective(kind="tracking")
     manoeuvre: tuple[Manoeuvre, ...] = Field(min_length=1)
     verification: Verification
+    campaign: Campaign = Campaign()
     sources: dict[str, str] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -93,8 +95,8 @@ class ResolvedStudy(Section):
         return self.study.title or self.name
 
     def model_values(self) -> dict[str, Any]:
-        """Return the SI model: all but gains, verification, title and sources."""
-        left_out = {"gains", "verification", "title", "sources", "uncertainty"}
+        """Return the SI model: all but gains, verification, campaign, title and sources."""
+        left_out = {"gains", "verification", "campaign", "title", "sources", "uncertainty"}
         values = self.study.model_dump(exclude=left_out)
         values["uncertainty"] = self.uncertainty.model_dump()
         return values
