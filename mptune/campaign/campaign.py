@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from contextlib import closing
 from typing import TYPE_CHECKING
 
 from mptune.campaign.simulate import Controlled, simulate_rows
@@ -74,14 +75,14 @@ def _run_missing(
     tasks = (
         (shared, [(index, plan.draw(index)) for index in block], version()) for block in blocks
     )
-    results = team.results(simulate_rows, tasks)
-    for number in missing:
-        rows = []
-        for _ in _blocks(plan.chunks[number]):
-            rows.append(next(results))
-            runs_done += len(rows[-1].number)
-            progress(runs_done, plan.runs)
-        store.write_chunk(number, rows)
+    with closing(team.results(simulate_rows, tasks)) as results:
+        for number in missing:
+            rows = []
+            for _ in _blocks(plan.chunks[number]):
+                rows.append(next(results))
+                runs_done += len(rows[-1].number)
+                progress(runs_done, plan.runs)
+            store.write_chunk(number, rows)
 
 
 def _blocks(chunk: range) -> Iterator[range]:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import signal
+import warnings
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
@@ -10,7 +12,7 @@ from mptune.errors import Fault, InputError, MptuneError
 if TYPE_CHECKING:
     from collections.abc import Callable, Generator, Iterable, Iterator
 
-_AHEAD = 3  # tasks handed out per worker before the oldest result is taken
+_AHEAD = 2  # tasks per worker under way; more would wait outside joblib's own queue
 _CONNECT = 10.0  # s
 
 
@@ -57,10 +59,19 @@ def workers(count: int | None = None, scheduler: str = "") -> Iterator[Workers]:
     InputError
         If the address is none, nobody answers there, or ``distributed`` is not installed.
     """
+    with warnings.catch_warnings():
+        # Told of by joblib where results are left lying: after an interrupt, that is meant.
+        warnings.filterwarnings("ignore", category=UserWarning, module=r"joblib\.parallel")
+        yield from _open(count, scheduler)
+
+
+def _open(count: int | None, scheduler: str) -> Iterator[Workers]:
     from joblib import cpu_count
 
     if not scheduler:
-        yield Workers(count or cpu_count(), {"backend": "loky"})
+        yield Workers(
+            count or cpu_count(), {"backend": "loky", "initializer": _leave_interrupts_alone}
+        )
         return
     client = _connect(scheduler)
     try:
@@ -72,6 +83,11 @@ def workers(count: int | None = None, scheduler: str = "") -> Iterator[Workers]:
         yield Workers(threads, {"backend": "dask", "client": client})
     finally:
         client.close()
+
+
+def _leave_interrupts_alone() -> None:
+    """Let Ctrl-C, which a terminal sends to workers as well, be the main process's to answer."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
 
 
 def _connect(scheduler: str) -> Any:

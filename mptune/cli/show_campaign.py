@@ -22,6 +22,7 @@ from mptune.campaign.draw import PARAMETER_UNITS
 from mptune.campaign.guarantee import runs_table
 from mptune.campaign.result import QUANTILES, draw_json
 from mptune.campaign.simulate import FIGURES
+from mptune.cli.interrupt import interruptible
 from mptune.cli.show import as_json, console, new_table, verdict_text
 from mptune.units import number, shown
 
@@ -54,10 +55,14 @@ def progress(*, quiet: bool) -> Iterator[Callable[[int, int], None]]:
         TimeRemainingColumn(),
     )  # fmt: skip
     errors = Console(stderr=True)
-    with Progress(*columns, console=errors, transient=True, disable=quiet) as bars:
+    with (
+        interruptible() as check,
+        Progress(*columns, console=errors, transient=True, disable=quiet) as bars,
+    ):
         task = bars.add_task("runs", total=None)
 
         def report(done: int, runs: int) -> None:
+            check()
             bars.update(task, total=runs, completed=done)
 
         yield report
