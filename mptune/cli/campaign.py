@@ -14,9 +14,11 @@ from mptune.cli.options import (
     JsonOption,
     OutOption,
     QuietOption,
+    SchedulerOption,
     SetOption,
     StudyArgument,
     UncertaintyOption,
+    WorkersOption,
     finish,
 )
 
@@ -30,12 +32,8 @@ def campaign(
     study: StudyArgument,
     gains: GainsOption = None,
     force: ForceOption = False,
-    workers: Annotated[
-        int | None, typer.Option(metavar="N", min=1, help="Processes; else one per core.")
-    ] = None,
-    scheduler: Annotated[
-        str, typer.Option(metavar="ADDRESS", help="A Dask scheduler, like tcp://host:8786.")
-    ] = "",
+    workers: WorkersOption = None,
+    scheduler: SchedulerOption = "",
     resume: Annotated[
         bool, typer.Option("--resume", help="Go on with an interrupted campaign.")
     ] = False,

@@ -27,6 +27,7 @@ from mptune.cli.options import (
     UncertaintyOption,
     finish,
 )
+from mptune.cli.weights import weights
 
 BAD_INPUT, UNFINISHED, INTERRUPTED = 2, 3, 130
 
@@ -155,6 +156,7 @@ def verify(
 
 
 app.command()(campaign)
+app.command()(weights)
 
 
 @app.command()

@@ -23,6 +23,12 @@ GainsOption = Annotated[
 ForceOption = Annotated[
     bool, typer.Option("--force", help="Take gains whose margins are not satisfied.")
 ]
+WorkersOption = Annotated[
+    int | None, typer.Option(metavar="N", min=1, help="Processes; else one per core.")
+]
+SchedulerOption = Annotated[
+    str, typer.Option(metavar="ADDRESS", help="A Dask scheduler, like tcp://host:8786.")
+]
 OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder for results.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
