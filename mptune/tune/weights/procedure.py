@@ -1,8 +1,8 @@
 """§5.4's order: W_conv first, for the converter pistons; then W_loss and W_sw, for the energy.
 
 The paper says by hand and eye what stands here as rules. What counts as too large an error is
-assumed: a tenth more of the performance index and a quarter more of the force-error integral than
-without the weight.
+assumed: a tenth more of the performance index, or a quarter more of the force-error integral, than
+the least seen on the way. W_loss and W_sw draw the pistons out again; W_conv is then raised.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Callable
 
     from mptune.tune.weights.trial import Bench, Trial, Weights
 
@@ -28,6 +28,46 @@ class Step(NamedTuple):
     weight: str
     trial: Trial
     kept: bool
+
+
+class _Walk:
+    """The procedure under way."""
+
+    def __init__(self, bench: Bench, start: Weights, progress: Callable[[], None]) -> None:
+        self._bench = bench
+        self._farthest = _CONVERTER_SHARE * bench.study.study.supplies.converter_travel
+        self._progress = progress
+        self._converter = iter(_CONVERTER)  # only ever raised
+        self.weights = start._replace(
+            weight_loss=0.0, weight_switching=0.0, weight_converter=next(self._converter)
+        )
+        self.steps: list[Step] = []
+
+    def keep_pistons_off(self, name: str, weights: Weights) -> bool:
+        """Try weights, with as much more W_conv as the pistons need; keep them if errors allow."""
+        while True:
+            trial = self._bench.tried(weights)
+            self._progress()
+            off = trial.unstable == 0 and trial.converter_peak <= self._farthest
+            kept = off and self._small(trial)
+            self.steps.append(Step(name, trial, kept))
+            if kept:
+                self.weights = weights
+            more = None if off else next(self._converter, None)
+            if more is None:
+                return kept
+            name, weights = "weight_converter", weights._replace(weight_converter=more)
+
+    def _small(self, trial: Trial) -> bool:
+        growths = {
+            "performance_index_ms": _INDEX_GROWTH,
+            "force_error_integral_kn2s": _FORCE_ERROR_GROWTH,
+        }
+        return all(
+            trial.mean(figure) <= growth * min(step.trial.mean(figure) for step in self.steps)
+            for figure, growth in growths.items()
+            if self.steps
+        )
 
 
 def by_the_papers_order(
@@ -48,52 +88,10 @@ def by_the_papers_order(
     -------
     The weights, and every step on the way.
     """
-    travel = bench.study.study.supplies.converter_travel
-    steps: list[Step] = []
-
-    def keeps_off(trial: Trial) -> bool:
-        return trial.unstable == 0 and trial.converter_peak <= _CONVERTER_SHARE * travel
-
-    def tried(weight: str, weights: Weights, keeps: Callable[[Trial], bool]) -> Step:
-        trial = bench.tried(weights)
-        progress()
-        steps.append(Step(weight, trial, keeps(trial)))
-        return steps[-1]
-
-    # The least W_conv that keeps the pistons off; where none does, the largest.
-    weights = start._replace(weight_loss=0.0, weight_switching=0.0)
-    for value in _CONVERTER:
-        weights = weights._replace(weight_converter=value)
-        if tried("weight_converter", weights, keeps_off).kept:
-            break
-    # The largest W_loss, then W_sw, before an error grows too large.
-    without = steps[-1].trial
-
-    def both(trial: Trial) -> bool:
-        return keeps_off(trial) and _small(trial, without)
-
-    ladders: tuple[tuple[str, Iterable[float]], ...] = (
-        ("weight_loss", _LOSS),
-        ("weight_switching", _SWITCHING),
-    )
-    for name, ladder in ladders:
-        best = weights
+    walk = _Walk(bench, start, progress)
+    walk.keep_pistons_off("weight_converter", walk.weights)
+    for name, ladder in (("weight_loss", _LOSS), ("weight_switching", _SWITCHING)):
         for value in ladder:
-            candidate = weights._replace(**{name: value})
-            if not tried(
-                name, candidate, lambda trial: keeps_off(trial) and _small(trial, without)
-            ).kept:
+            if not walk.keep_pistons_off(name, walk.weights._replace(**{name: value})):
                 break
-            best = candidate
-        weights = best
-    return weights, tuple(steps)
-
-
-def _small(trial: Trial, without: Trial) -> bool:
-    growths = {
-        "performance_index_ms": _INDEX_GROWTH,
-        "force_error_integral_kn2s": _FORCE_ERROR_GROWTH,
-    }
-    return all(
-        trial.mean(figure) <= growth * without.mean(figure) for figure, growth in growths.items()
-    )
+    return walk.weights, tuple(walk.steps)

@@ -74,7 +74,7 @@ def _said(trial: Trial) -> dict[str, Any]:
         "weights": weights_json(trial.weights),
         **{figure: trial.mean(figure) for figure in OBJECTIVES},
         "converter_peak_mm": 1e3 * trial.converter_peak,
-        "pressure_min_mpa": float(trial.column("pressure_min_mpa").min()),
-        "pressure_max_mpa": float(trial.column("pressure_max_mpa").max()),
+        "pressure_min_mpa": trial.mean("pressure_min_mpa"),
+        "pressure_max_mpa": trial.mean("pressure_max_mpa"),
         "unstable": trial.unstable,
     }

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
@@ -161,7 +160,8 @@ class Limits(NamedTuple):
     """What no trial may exceed: converter ends, and pressures where the study's own keep them.
 
     The estimator knows no valve delay, so that real pressures pass p_min and p_max briefly. What
-    the study's own weights do is therefore allowed to others.
+    the study's own weights do is therefore allowed to others. As single peaks are chance in a
+    chaotic loop, their mean over the runs is what counts.
     """
 
     converter_travel: float  # m
@@ -173,13 +173,12 @@ class Limits(NamedTuple):
 
         Unstable runs, converter travel [mm], largest and least pressure [MPa].
         """
-        low = float(trial.column("pressure_min_mpa").min())
-        high = float(trial.column("pressure_max_mpa").max())
+        low, high = pressures(trial)
         return (
             float(trial.unstable),
             1e3 * (trial.converter_peak - self.converter_travel) + 1e-3,
-            high - self.pressure_max / 1e6,
-            self.pressure_min / 1e6 - low,
+            (high - self.pressure_max) / 1e6,
+            (self.pressure_min - low) / 1e6,
         )
 
     def keeps(self, trial: Trial) -> bool:
@@ -190,10 +189,14 @@ class Limits(NamedTuple):
 def limits_of(study: ResolvedStudy, own: Trial) -> Limits:
     """Return the limits of a study, given what its own weights do."""
     controller = study.study.controller
-    low = 1e6 * float(own.column("pressure_min_mpa").min())
-    high = 1e6 * float(own.column("pressure_max_mpa").max())
+    low, high = pressures(own)
     return Limits(
         study.study.supplies.converter_travel,
         min(controller.pressure_min, low),
-        max(controller.pressure_max, high) if math.isfinite(high) else controller.pressure_max,
+        max(controller.pressure_max, high),
     )
+
+
+def pressures(trial: Trial) -> tuple[float, float]:
+    """Return the runs' least and largest chamber pressures [Pa], each a mean over the runs."""
+    return 1e6 * trial.mean("pressure_min_mpa"), 1e6 * trial.mean("pressure_max_mpa")

@@ -1,8 +1,12 @@
 """What a study may say of a campaign, and what it may not."""
 
+import re
+
 import pytest
 
 from mptune.errors import InputError
+from mptune.params.load import load_study
+from mptune.params.template import write_template
 
 
 @pytest.mark.parametrize(
@@ -25,3 +29,15 @@ from mptune.errors import InputError
 def test_a_campaign_that_breaks_a_rule_is_refused(load_boom, overrides, message):
     with pytest.raises(InputError, match=message):
         load_boom(*overrides)
+
+
+def test_the_templates_campaign_is_valid_once_its_marks_are_gone(tmp_path):
+    path = write_template(tmp_path, "crane")
+    text = path.read_text(encoding="utf-8")
+    begin, end = text.index("# [campaign]"), text.rindex("[sources]")
+    path.write_text(
+        text[:begin] + re.sub(r"(?m)^# ", "", text[begin:end]) + text[end:], encoding="utf-8"
+    )
+    campaign = load_study(path).study.campaign
+    assert campaign.friction == (0.5, 2.0)
+    assert campaign.limits.final_error == 1e-3
