@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from mptune.tune.weights.result import WeightsResult
     from mptune.tune.weights.trial import Trial
 
-_HEADINGS = ("W_sw [N]", "W_loss [N/J]", "W_conv [N s/m⁶]", "T_S [ms]", "loss [J/mm]", "index [ms]",
-             "∫ΔF² [kN² s]", "switches", "converter [mm]")  # fmt: skip
+_HEADINGS = ("W_sw\n[N]", "W_loss\n[N/J]", "W_conv\n[N s/m⁶]", "T_S\n[ms]", "loss\n[J/mm]",
+             "index\n[ms]", "∫ΔF²\n[kN² s]", "switches\n[–]", "converter\n[mm]")  # fmt: skip
 
 
 def weights(result: WeightsResult) -> None:
@@ -23,7 +23,7 @@ def weights(result: WeightsResult) -> None:
     table = _table("§5.4's order: W_conv, then W_loss, then W_sw")
     for step in result.steps:
         kept = verdict_text("kept" if step.kept else "not kept", good=step.kept)
-        table.add_row(f"{step.weight}", *_cells(step.trial), kept)
+        table.add_row(step.weight, *_cells(step.trial), kept)
     console.print(table)
     usable = sum(result.limits.keeps(trial) for trial in result.trials)
     table = _table(f"Pareto front of {len(result.trials)} trials, {usable} of them usable")
@@ -44,9 +44,9 @@ def weights(result: WeightsResult) -> None:
 
 def _table(title: str) -> Table:
     table = new_table(title)
-    table.add_column("")
+    table.add_column("", no_wrap=True)
     for heading in _HEADINGS:
-        table.add_column(heading, justify="right")
+        table.add_column(heading, justify="right", no_wrap=True)
     table.add_column("", no_wrap=True)
     return table
 

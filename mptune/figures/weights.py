@@ -46,15 +46,18 @@ _BEYOND = 1.5  # of the front's range: how far an axis goes
 
 
 def weights_figure(result: WeightsResult) -> Figure:
-    """Draw every trial in four planes of figures and two of weights."""
+    """Draw every trial in four planes of figures and two of weights.
+
+    The study's own and the recommended weights stand where other random numbers put them.
+    """
     keeps = result.limits.keeps
     layers: tuple[tuple[str, dict[str, Any], list[Trial]], ...] = (
-        ("breaks a limit", _UNUSABLE, [trial for trial in result.trials if not keeps(trial)]),
+        ("limit broken", _UNUSABLE, [trial for trial in result.trials if not keeps(trial)]),
         ("beaten", _BEATEN, [trial for trial in result.trials if keeps(trial)]),
-        ("Pareto front", _FRONT, [result.trials[place] for place in result.front]),
-        ("by the paper's order", _ORDER, _last_of_the_order(result)),
-        ("study's own, again", _OWN, [result.recommendation.own]),
-        ("recommended, again", _TAKEN, [result.recommendation.trial]),
+        ("front", _FRONT, [result.trials[place] for place in result.front]),
+        ("paper's order", _ORDER, _last_of_the_order(result)),
+        ("own", _OWN, [result.recommendation.own]),
+        ("recommended", _TAKEN, [result.recommendation.trial]),
     )
     with style():
         figure = new_figure(5.4)

@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 
 FINALISTS = 6
 _CLEARLY = 2.0  # spreads by which a figure is clearly better
+_ENOUGH = 10.0  # spreads beyond which better counts no more
 
 
 @dataclass(frozen=True)
@@ -101,8 +102,8 @@ def recommended(
         place for place, gain in enumerate(gains) if (gain >= -1).all() and gain.max() >= _CLEARLY
     ]
     if dominating:
-        best = max(dominating, key=lambda k: float(np.clip(gains[k], -1, 10).sum()))
-        reason = f"better than the study's own by {_said(again, usable[best])}"
+        best = max(dominating, key=lambda place: _merit(gains[place]))
+        reason = f"against the study's own: {_said(again, usable[best])}"
         return Recommendation(usable[best], again, spreads, reason, dominates=True)
     best = knee(_objectives(usable))
     worse = [name for name, gain in zip(OBJECTIVES, gains[best], strict=True) if gain < -1]
@@ -110,7 +111,7 @@ def recommended(
         f"every trial of the front that is clearly better in one figure is worse in another by "
         f"more than its spread; at the knee that is {', '.join(worse)}"
         if worse
-        else "no trial of the front is clearly better in any figure"
+        else "no trial that loses nothing is clearly better in any figure"
     )
     reason = f"the knee of the front: {_said(again, usable[best])}; {blocked}"
     return Recommendation(usable[best], again, spreads, reason)
@@ -121,9 +122,8 @@ def _finalists(own: Trial, candidates: Sequence[Trial], spreads: FloatArray) -> 
     others = [trial for trial in candidates if trial.weights != own.weights]
     if not others:
         return []
-    # By the worst of the four first: weights that lose nothing come before those that win much.
-    gains = [_gains(own, trial, spreads) for trial in others]
-    order = sorted(range(len(others)), key=lambda k: (-max(-gains[k].min(), 1.0), gains[k].sum()))
+    merits = [_merit(_gains(own, trial, spreads)) for trial in others]
+    order = sorted(range(len(others)), key=lambda place: merits[place])
     chosen = order[-(FINALISTS - 1) :]
     places = dict.fromkeys([knee(_objectives(others)), *reversed(chosen)])
     return [others[place] for place in places]
@@ -133,6 +133,11 @@ def _gains(own: Trial, trial: Trial, spreads: FloatArray) -> FloatArray:
     """Return by how many spreads each objective is smaller than with the study's own weights."""
     less = np.array(own.objectives) - np.array(trial.objectives)
     return np.asarray(less / np.maximum(spreads, 1e-12 * np.abs(own.objectives)))
+
+
+def _merit(gains: FloatArray) -> float:
+    """Return how good gains in spreads are: what is lost counts ten times what is won."""
+    return float(_ENOUGH * min(gains.min(), 0.0) + np.clip(gains, None, _ENOUGH).sum())
 
 
 def _objectives(trials: Sequence[Trial]) -> FloatArray:

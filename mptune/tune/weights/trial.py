@@ -26,6 +26,7 @@ OBJECTIVES = (
     "valve_switches",
 )
 LIMITS = ("stability", "converter travel", "largest pressure", "least pressure")
+_CONVERTER_SHARE = 0.9  # of a converter piston's travel: other noise draws it out a little further
 _LOST = 1e6  # stands for a figure that a simulation could not give
 
 
@@ -164,7 +165,7 @@ class Limits(NamedTuple):
     chaotic loop, their mean over the runs is what counts.
     """
 
-    converter_travel: float  # m
+    converter_travel: float  # m, from the centre
     pressure_min: float  # Pa
     pressure_max: float  # Pa
 
@@ -176,7 +177,7 @@ class Limits(NamedTuple):
         low, high = pressures(trial)
         return (
             float(trial.unstable),
-            1e3 * (trial.converter_peak - self.converter_travel) + 1e-3,
+            1e3 * (trial.converter_peak - self.converter_travel),
             (high - self.pressure_max) / 1e6,
             (self.pressure_min - low) / 1e6,
         )
@@ -191,7 +192,7 @@ def limits_of(study: ResolvedStudy, own: Trial) -> Limits:
     controller = study.study.controller
     low, high = pressures(own)
     return Limits(
-        study.study.supplies.converter_travel,
+        _CONVERTER_SHARE * study.study.supplies.converter_travel,
         min(controller.pressure_min, low),
         max(controller.pressure_max, high),
     )
