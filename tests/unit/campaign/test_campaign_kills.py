@@ -18,6 +18,8 @@ pytestmark = [
 ]
 
 KILLS = 10
+# xarray asks for distributed when it writes, where that is installed.
+PRELOADED = ["mptune.campaign.campaign", "joblib", "xarray", "h5netcdf", "distributed"]
 
 
 def work(plan, folder, resume):
@@ -34,7 +36,7 @@ def test_ten_kills_leave_the_campaign_as_if_there_had_been_none(plan, run, tmp_p
     killed = tmp_path / "killed"
     killed.mkdir()
     spawn = multiprocessing.get_context("forkserver")
-    spawn.set_forkserver_preload(["mptune.campaign.campaign", "joblib", "xarray", "h5netcdf"])
+    spawn.set_forkserver_preload([*PRELOADED, __name__])
     moments, before = np.random.default_rng(4), {}
     for kill in range(KILLS):
         child = spawn.Process(target=work, args=(one, killed, kill > 0))
