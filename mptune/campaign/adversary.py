@@ -16,7 +16,7 @@ import numpy as np
 
 from mptune.campaign.draw import Draw
 from mptune.campaign.result import LEAST_IS_WORST, draw_json
-from mptune.campaign.simulate import FIGURES, Controlled, simulate_rows
+from mptune.campaign.simulate import FIGURES, Controlled, Rows, simulate_rows
 from mptune.errors import Fault, InputError
 from mptune.params.gains import version
 
@@ -25,7 +25,6 @@ if TYPE_CHECKING:
 
     from mptune.arrays import FloatArray
     from mptune.campaign.plan import Plan
-    from mptune.campaign.simulate import Rows
     from mptune.campaign.workers import Workers
 
 SEARCH_NOISE = 0  # number of the run whose noise all candidates meet
@@ -153,8 +152,6 @@ def _inside(plan: Plan, unit: FloatArray) -> Draw:
 
 def _run(plan: Plan, draws: list[Draw], numbers: list[int], team: Workers) -> Rows:
     """Run each draw under the noise of the run of that number."""
-    from mptune.campaign.simulate import Rows
-
     shared = Controlled(plan.study, plan.gains, plan.feedforward)
     jobs = list(zip(numbers, draws, strict=True))
     tasks = ((shared, jobs[k : k + _BLOCK], version()) for k in range(0, len(jobs), _BLOCK))

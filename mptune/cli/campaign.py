@@ -62,6 +62,7 @@ def campaign(
     from mptune.job.campaign import planned
     from mptune.params.load import load_study
 
+    _check_one_task({"--replay": replay, "--worst": worst or None, "--runs-for": runs_for})
     if runs_for is not None:
         needed(*runs_for, json=json)
         return
@@ -72,6 +73,15 @@ def campaign(
     if worst:
         _worst(plan, worst, out, team, json=json, quiet=quiet)
     _campaign(plan, out, team, resume=resume, json=json, quiet=quiet)
+
+
+def _check_one_task(tasks: dict[str, object]) -> None:
+    from mptune.errors import Fault, InputError
+
+    asked = [option for option, value in tasks.items() if value is not None]
+    if len(asked) > 1:
+        fault = Fault("", " and ".join(asked), "are tasks of their own", "ask for one at a time")
+        raise InputError("mptune campaign", fault)
 
 
 def _replay(plan: Plan, number: int, out: Path, *, json: bool) -> NoReturn:

@@ -86,6 +86,7 @@ def test_the_worst_machine_is_searched_and_shown(cli, tmp_path):
     [
         (("--replay", "10"), "is no run of this campaign of 10"),
         (("--worst", "beauty"), "is no figure"),
+        (("--worst", "final_error_mm", "--replay", "1"), "one at a time"),
         (("--scheduler", "nonsense"), "--scheduler"),
         (("--gains", "no.toml"), "does not exist"),
     ],
