@@ -14,10 +14,13 @@ from typing import Annotated
 
 import typer
 
+from mptune.cli.campaign import campaign
 from mptune.cli.export import export
 from mptune.cli.identify import identify
 from mptune.cli.options import (
     OUT,
+    ForceOption,
+    GainsOption,
     JsonOption,
     OutOption,
     QuietOption,
@@ -27,6 +30,7 @@ from mptune.cli.options import (
     finish,
 )
 from mptune.cli.tune import tune
+from mptune.cli.weights import weights
 
 BAD_INPUT, UNFINISHED, INTERRUPTED = 2, 3, 130
 
@@ -81,9 +85,7 @@ def run(
 @app.command()
 def sweep(
     study: StudyArgument,
-    gains: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="A gains file; else the study's own.")
-    ] = None,
+    gains: GainsOption = None,
     override: SetOption = None,
     uncertainty: UncertaintyOption = "",
     out: OutOption = OUT,
@@ -112,12 +114,8 @@ def sweep(
 @app.command()
 def verify(
     study: StudyArgument,
-    gains: Annotated[
-        Path | None, typer.Option(metavar="FILE", help="A gains file; else the study's own.")
-    ] = None,
-    force: Annotated[
-        bool, typer.Option("--force", help="Take gains whose margins are not satisfied.")
-    ] = False,
+    gains: GainsOption = None,
+    force: ForceOption = False,
     override: SetOption = None,
     uncertainty: UncertaintyOption = "",
     out: OutOption = OUT,
@@ -142,6 +140,8 @@ def verify(
 
 app.command()(tune)
 app.command()(identify)
+app.command()(weights)
+app.command()(campaign)
 app.command()(export)
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, NoReturn
 
 import typer
 
@@ -16,6 +16,18 @@ SetOption = Annotated[
 ]
 UncertaintyOption = Annotated[
     str, typer.Option(metavar="NAME", help="Uncertainty set; the default one where not given.")
+]
+GainsOption = Annotated[
+    Path | None, typer.Option(metavar="FILE", help="A gains file; else the study's own.")
+]
+ForceOption = Annotated[
+    bool, typer.Option("--force", help="Take gains whose margins are not satisfied.")
+]
+WorkersOption = Annotated[
+    int | None, typer.Option(metavar="N", min=1, help="Processes; else one per core.")
+]
+SchedulerOption = Annotated[
+    str, typer.Option(metavar="ADDRESS", help="A Dask scheduler, like tcp://host:8786.")
 ]
 OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder for results.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI.")]
@@ -33,6 +45,6 @@ DataOption = Annotated[
 OUT = Path("reports")
 
 
-def finish(*, met: bool) -> None:
+def finish(*, met: bool) -> NoReturn:
     """Leave with status 0 where every requirement is met, else 1."""
     raise typer.Exit(0 if met else _NOT_MET)

@@ -8,6 +8,7 @@ from typing import Any, Self
 
 from pydantic import Field, model_validator
 
+from mptune.params.campaign import Campaign
 from mptune.params.controller import Controller, Feedforward, Gains
 from mptune.params.identification import Identification
 from mptune.params.machine import Cylinder, Hose, Load, Oil, Supplies, Valves
@@ -39,6 +40,7 @@ class Study(Section):
     manoeuvre: tuple[Manoeuvre, ...] = Field(min_length=1)
     verification: Verification
     identification: Identification = Identification()
+    campaign: Campaign = Campaign()
     sources: dict[str, str] = Field(default_factory=dict)
 
     @model_validator(mode="after")
@@ -96,7 +98,8 @@ class ResolvedStudy(Section):
 
     def model_values(self) -> dict[str, Any]:
         """Return the SI model: all but gains, what they are tried on, title and sources."""
-        left_out = {"gains", "verification", "identification", "title", "sources", "uncertainty"}
+        tried_on = {"verification", "identification", "campaign"}
+        left_out = {"gains", "title", "sources", "uncertainty", *tried_on}
         values = self.study.model_dump(exclude=left_out)
         unnamed = {"measured": {"__all__": {"name"}}}  # a file's content counts, not its name
         values["uncertainty"] = self.uncertainty.model_dump(exclude=unnamed)

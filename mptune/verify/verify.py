@@ -33,9 +33,16 @@ if TYPE_CHECKING:
 
     from mptune.arrays import FloatArray
     from mptune.params.controller import Feedforward, Gains
-    from mptune.params.pack import LoopGains, Machine
+    from mptune.params.pack import (
+        FeedforwardTuple,
+        ForceSettings,
+        LoopGains,
+        Machine,
+        SignalSettings,
+    )
     from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
+    from mptune.sim.moves import Moves
 
 _START_PRESSURE_B = 6e6  # Pa; p_A follows from the balance of forces
 _SATURATED = 0.05  # s in one set
@@ -96,70 +103,124 @@ def verify(
 
 
 def _check(study: ResolvedStudy) -> None:
-    asked, controller = study.study.verification, study.study.controller
+    asked = study.study.verification
     for number, (_, longest) in enumerate(asked.delay_ranges()):
-        if longest >= controller.sampling_period:
-            raise InputError(
-                study.name,
-                Fault(
-                    f"verification.valve_delays[{number + 1}]",
-                    f"{1e3 * longest:g} ms",
-                    f"is not below the sampling period, {1e3 * controller.sampling_period:g} ms, "
-                    "which Table 2 asks to be longer than the valve delay",
-                    "lengthen controller.sampling_period or take faster valves",
-                ),
-            )
-    net = sum(move.net_distance for move in study.study.manoeuvre)
-    if asked.repeats > 1 and abs(net) > 1e-9:
+        check_delay(study, f"verification.valve_delays[{number + 1}]", longest)
+    check_repeats(study, "verification.repeats", asked.repeats)
+
+
+def check_delay(study: ResolvedStudy, key: str, longest: float) -> None:
+    """Refuse a valve delay [s] that the sampling period does not exceed.
+
+    Raises
+    ------
+    InputError
+        Naming ``key``.
+    """
+    period = study.study.controller.sampling_period
+    if longest >= period:
         raise InputError(
             study.name,
             Fault(
-                "verification.repeats",
-                str(asked.repeats),
-                f"repeats moves that end {1e3 * net:g} mm from where they began",
-                "add a move back, or set repeats = 1",
+                key,
+                f"{1e3 * longest:g} ms",
+                f"is not below the sampling period, {1e3 * period:g} ms, "
+                "which Table 2 asks to be longer than the valve delay",
+                "lengthen controller.sampling_period or take faster valves",
             ),
         )
+
+
+def check_repeats(study: ResolvedStudy, key: str, repeats: int) -> None:
+    """Refuse to repeat a movement set that does not end where it began.
+
+    Raises
+    ------
+    InputError
+        Naming ``key``.
+    """
+    net = sum(move.net_distance for move in study.study.manoeuvre)
+    if repeats > 1 and abs(net) > 1e-9:
+        raise InputError(
+            study.name,
+            Fault(
+                key,
+                str(repeats),
+                f"repeats moves that end {1e3 * net:g} mm from where they began",
+                f"add a move back, or set {key.rsplit('.', 1)[-1]} = 1",
+            ),
+        )
+
+
+class Rig(NamedTuple):
+    """A machine, its controller and its moves, packed for the closed loop."""
+
+    machine: Machine
+    table: FloatArray
+    delays: loop.Delays
+    gains: LoopGains
+    ahead: FeedforwardTuple
+    signals: SignalSettings
+    settings: ForceSettings
+    moves: Moves
+
+
+def rig_of(study: ResolvedStudy, case: Case, gains: Gains, feedforward: Feedforward) -> Rig:
+    """Return one machine of a study with its controller and moves."""
+    controller = study.study.controller
+    return Rig(
+        machine=pack_machine(study, case.mass, case.oil_bulk_modulus, case.load_force),
+        table=pack_table(study),
+        delays=delays_of(study, case.valve_delay),
+        gains=pack_gains(gains),
+        ahead=pack_feedforward(feedforward, controller.fast_sampling_period),
+        signals=pack_signals(controller),
+        settings=pack_force(study),
+        moves=moves_of(study.study.manoeuvre),
+    )
 
 
 def run_case(
     study: ResolvedStudy, case: Case, gains: Gains, feedforward: Feedforward
 ) -> CaseResult:
     """Run one machine through its movement sets; memory does not grow with their number."""
-    machine = pack_machine(study, case.mass, case.oil_bulk_modulus, case.load_force)
-    controller, asked = study.study.controller, study.study.verification
-    table = pack_table(study)
-    signals, settings, space = pack_signals(controller), pack_force(study), search_space()
-    packed, ahead = (
-        pack_gains(gains),
-        pack_feedforward(feedforward, controller.fast_sampling_period),
-    )
-    moves = moves_of(study.study.manoeuvre)
-    # Whole sampling periods, so that every set begins with a decision.
-    ticks = signals.ticks * int(np.ceil(moves.duration / controller.sampling_period - 1e-9))
-    memory = new_memory(study, machine, packed, asked.start)
-    limits = force_limits(settings)
+    rig = rig_of(study, case, gains, feedforward)
     random = np.random.default_rng(case.seed)
+    return run_rig(study, case, rig, random, study.study.verification.repeats)
+
+
+def run_rig(
+    study: ResolvedStudy, case: Case, rig: Rig, random: np.random.Generator, repeats: int
+) -> CaseResult:
+    """Run a rig through ``repeats`` movement sets; ``case`` only names the machine."""
+    machine, signals, moves = rig.machine, rig.signals, rig.moves
+    start = study.study.verification.start
+    # Whole sampling periods, so that every set begins with a decision.
+    period = rig.settings.sampling_period
+    ticks = signals.ticks * int(np.ceil(moves.duration / period - 1e-9))
+    memory = new_memory(study, machine, rig.gains, start)
+    limits = force_limits(rig.settings)
+    space = search_space()
     trace = np.empty((ticks, loop.COLUMNS))
     sets: list[SetFigures] = []
     broken, broken_at = "", float("nan")
     finite = True
-    for number in range(asked.repeats):
+    for number in range(repeats):
         before, switched = memory.energy.copy(), int(memory.valves.counters[0])
         begin = number * ticks * signals.sample_time
         loop.run_ticks(
             memory,
             machine,
-            table, _delays(study, case), packed, ahead, signals, settings, space,
+            rig.table, rig.delays, rig.gains, rig.ahead, signals, rig.settings, space,
             moves.pieces,
-            asked.start, begin, random, trace,
+            start, begin, random, trace,
         )  # fmt: skip
         finite = bool(np.isfinite(trace).all())
         if not finite:
             break
         if not broken:
             broken, broken_at = first_broken_limit(trace, machine, signals.sample_time, begin)
-        if number > 0 or asked.repeats == 1:
+        if number > 0 or repeats == 1:
             switches = int(memory.valves.counters[0]) - switched
             energy = memory.energy - before
             sets.append(
@@ -191,11 +252,11 @@ def _status(sets: list[SetFigures], broken: str, *, finite: bool) -> CaseStatus:
     return CaseStatus.STABLE
 
 
-def _delays(study: ResolvedStudy, case: Case) -> loop.Delays:
+def delays_of(study: ResolvedStudy, valve_delay: Range) -> loop.Delays:
     """Return pure delays: valve delay less its ramp, plus the largest computational delay."""
     valves = study.study.valves
     extra = valves.computation_delay[1] - valves.ramp
-    least, largest = (max(delay + extra, 0.0) for delay in case.valve_delay)
+    least, largest = (max(delay + extra, 0.0) for delay in valve_delay)
     return loop.Delays(least, largest, valves.ramp)
 
 

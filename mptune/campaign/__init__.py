@@ -1,0 +1,1 @@
+"""Many verifications: drawn, run on this machine or a cluster, stored, and what they say."""

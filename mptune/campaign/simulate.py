@@ -1,0 +1,121 @@
+"""Runs of a campaign, one by one: what workers do, here or on a cluster."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from mptune.campaign.draw import rig_of_draw
+from mptune.campaign.plan import noise_of
+from mptune.errors import MptuneError
+from mptune.params.gains import version
+from mptune.verify.result import CaseStatus
+from mptune.verify.verify import run_rig
+
+if TYPE_CHECKING:
+    from collections.abc import Iterable
+
+    from mptune.arrays import FloatArray
+    from mptune.campaign.draw import Draw
+    from mptune.params.campaign import CampaignLimits
+    from mptune.params.controller import Feedforward, Gains
+    from mptune.params.study import ResolvedStudy
+    from mptune.verify.result import CaseResult
+
+# §7's figures of a run, in §7's units: means over its sets, or the worst of them.
+FIGURES = (
+    "performance_index_ms",
+    "energy_loss_j_per_mm",
+    "pump_loss_j_per_mm",
+    "force_error_integral_kn2s",
+    "final_error_mm",
+    "peak_velocity_mm_s",
+    "valve_switches",
+    "converter_peak_mm",
+    "pressure_min_mpa",
+    "pressure_max_mpa",
+    "energy_residual",
+)
+ERROR = "error"  # the status of a run that could not be simulated
+_LIMITED = (  # figure, its limit, §7's unit in SI, and that unit
+    ("performance_index_ms", "performance_index", 1e-3, "ms"),
+    ("energy_loss_j_per_mm", "energy_loss", 1e3, "J/mm"),
+    ("force_error_integral_kn2s", "force_error_integral", 1e6, "kN² s"),
+    ("final_error_mm", "final_error", 1e-3, "mm"),
+)
+
+
+class Controlled(NamedTuple):
+    """What every run of a campaign shares."""
+
+    study: ResolvedStudy
+    gains: Gains
+    feedforward: Feedforward
+
+
+class Rows(NamedTuple):
+    """Runs as they are stored."""
+
+    number: list[int]
+    figures: FloatArray  # (b, 11) in the order of FIGURES; NaN where there are none
+    status: list[str]
+    reason: list[str]  # why a run failed; empty where it did not
+
+
+def simulate(shared: Controlled, draw: Draw, index: int) -> CaseResult:
+    """Run one draw, exactly as any other time that the same run is made."""
+    study = shared.study
+    asked = study.study.campaign
+    case, rig = rig_of_draw(study, draw, shared.gains, shared.feedforward, index)
+    return run_rig(study, case, rig, noise_of(asked.seed, index), asked.sets)
+
+
+def simulate_rows(
+    shared: Controlled, draws: Iterable[tuple[int, Draw]], wanted_version: str
+) -> Rows:
+    """Run some draws.
+
+    Raises
+    ------
+    MptuneError
+        If this worker has another version of mptune than the one that sent the work.
+    """
+    if version() != wanted_version:
+        raise MptuneError(
+            f"a worker has mptune {version()} where {wanted_version} is needed; install the same "
+            "version on every worker"
+        )
+    numbers, figures, status, reason = [], [], [], []
+    for number, draw in draws:
+        numbers.append(number)
+        try:
+            case = simulate(shared, draw, number)
+        except (ArithmeticError, ValueError) as error:
+            figures.append(np.full(len(FIGURES), np.nan))
+            status.append(ERROR)
+            reason.append(f"{type(error).__name__}: {error}")
+            continue
+        figures.append(figures_of(case))
+        status.append(case.status.value)
+        reason.append(reason_of(case, shared.study.study.campaign.limits))
+    return Rows(numbers, np.array(figures).reshape(-1, len(FIGURES)), status, reason)
+
+
+def figures_of(case: CaseResult) -> FloatArray:
+    """Return a run's figures ``(11,)``."""
+    values = case.json()
+    return np.array([values[name] for name in FIGURES], np.float64)
+
+
+def reason_of(case: CaseResult, limits: CampaignLimits) -> str:
+    """Return why a run has failed; nothing where it has not."""
+    if case.status is not CaseStatus.STABLE:
+        where = f": {case.broken} from {case.broken_at_s:.2f} s on" if case.broken else ""
+        return f"{case.status.value}{where}"
+    values = case.json()
+    for figure, name, unit, printed in _LIMITED:
+        limit = getattr(limits, name)
+        if limit is not None and not values[figure] * unit <= limit:
+            return f"{name} {values[figure]:.4g} {printed} is above {limit / unit:.4g} {printed}"
+    return ""

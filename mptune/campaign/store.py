@@ -1,0 +1,200 @@
+"""Chunk files of a campaign under way, and the one file that they become.
+
+A chunk holds a fixed range of runs and is written whole or not at all. Every file carries the
+campaign's identity; a file of another campaign is refused.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import json
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.campaign.draw import PARAMETER_UNITS
+from mptune.campaign.result import CampaignResult
+from mptune.campaign.simulate import FIGURES, Rows
+from mptune.errors import Fault, InputError
+from mptune.files import make_folder, write_whole_with
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+    from pathlib import Path
+
+    import xarray as xr
+
+    from mptune.campaign.plan import Plan
+
+_IDENTITY = "campaign_identity"
+_FIGURE_UNITS = ("ms", "J/mm", "J/mm", "kN^2 s", "mm", "mm/s", "1", "mm", "MPa", "MPa", "1")
+
+
+class CampaignStore:
+    """A campaign's files: ``campaign/chunk-000000.nc`` … and in the end ``campaign.nc``."""
+
+    def __init__(self, folder: Path, plan: Plan) -> None:
+        self._plan = plan
+        self._identity = plan.identity()
+        self.path = folder / "campaign.nc"
+        self.chunk_folder = folder / "campaign"
+
+    def begin(self, *, resume: bool) -> None:
+        """Make room for the campaign's chunks.
+
+        Raises
+        ------
+        InputError
+            If chunks stand there and ``resume`` is False.
+        """
+        found = sorted(self.chunk_folder.glob("chunk-*.nc"))
+        if found and not resume:
+            fault = Fault(
+                "",
+                "",
+                f"holds {len(found)} chunks of a campaign that was not finished",
+                "go on with --resume, choose another --out, or delete that folder",
+            )
+            raise InputError(self.chunk_folder, fault)
+        make_folder(self.chunk_folder)
+
+    def missing(self) -> list[int]:
+        """Return the numbers of the chunks that are still to be run.
+
+        Raises
+        ------
+        InputError
+            If a chunk cannot be read, or belongs to another campaign.
+        """
+        missing = []
+        for number in range(len(self._plan.chunks)):
+            path = self._chunk(number)
+            if path.exists():
+                self._read(path)
+            else:
+                missing.append(number)
+        return missing
+
+    def finished(self) -> CampaignResult | None:
+        """Return the campaign if its one file stands already; None where it does not."""
+        if not self.path.exists():
+            return None
+        dataset = self._load(self.path)
+        if dataset.attrs.get(_IDENTITY) != self._identity:
+            return None
+        return self._result(dataset)
+
+    def write_chunk(self, number: int, rows: Sequence[Rows]) -> None:
+        """Write one chunk, whole or not at all.
+
+        Raises
+        ------
+        OutputError
+            If the file cannot be written.
+        """
+        dataset = self._dataset(
+            np.concatenate([np.array(one.number, np.int64) for one in rows]),
+            np.concatenate([one.figures for one in rows]),
+            [status for one in rows for status in one.status],
+            [reason for one in rows for reason in one.reason],
+        )
+        _write(self._chunk(number), dataset)
+
+    def merge(self) -> CampaignResult:
+        """Make one file of all chunks, then remove them.
+
+        Raises
+        ------
+        InputError
+            If a chunk is missing, cannot be read, or belongs to another campaign.
+        OutputError
+            If the file cannot be written; the chunks then stay.
+        """
+        import xarray as xr
+
+        chunks = [self._read(self._chunk(number)) for number in range(len(self._plan.chunks))]
+        dataset = xr.concat(chunks, "run", combine_attrs="override")
+        result = self._result(dataset)
+        _write(self.path, dataset)
+        self.discard_chunks()
+        return result
+
+    def discard_chunks(self) -> None:
+        """Remove the chunks, and what a kill left beside them."""
+        for path in (*self.chunk_folder.glob("chunk-*.nc"), *self.chunk_folder.glob(".chunk-*")):
+            path.unlink(missing_ok=True)
+        with contextlib.suppress(OSError):
+            self.chunk_folder.rmdir()
+
+    def _chunk(self, number: int) -> Path:
+        return self.chunk_folder / f"chunk-{number:06d}.nc"
+
+    def _read(self, path: Path) -> xr.Dataset:
+        dataset = self._load(path)
+        if dataset.attrs.get(_IDENTITY) != self._identity:
+            fault = Fault(
+                _IDENTITY,
+                f"{str(dataset.attrs.get(_IDENTITY))[:12]}…",
+                f"belongs to another campaign than this one ({self._identity[:12]}…): study, "
+                "gains, settings or version differ",
+                "resume with what it was begun with, choose another --out, or delete that folder",
+            )
+            raise InputError(path, fault)
+        return dataset
+
+    def _load(self, path: Path) -> xr.Dataset:
+        import xarray as xr
+
+        try:
+            with xr.open_dataset(path, engine="h5netcdf") as dataset:
+                return dataset.load()
+        except (OSError, ValueError, KeyError) as error:
+            fault = Fault("", "", f"cannot be read: {error}", "delete it; --resume runs it again")
+            raise InputError(path, fault) from error
+
+    def _result(self, dataset: xr.Dataset) -> CampaignResult:
+        if not np.array_equal(dataset["run"], np.arange(self._plan.runs)):
+            fault = Fault(
+                "run", "", "does not hold every run exactly once", "delete it and run again"
+            )
+            raise InputError(self.path, fault)
+        return CampaignResult(
+            plan=self._plan,
+            figures=np.stack([dataset[name].to_numpy() for name in FIGURES], axis=1),
+            status=dataset["status"].to_numpy().astype(np.str_),
+            reason=dataset["reason"].to_numpy().astype(np.str_),
+        )
+
+    def _dataset(
+        self,
+        index: np.ndarray[tuple[int], np.dtype[np.int64]],
+        figures: np.ndarray[tuple[int, int], np.dtype[np.float64]],
+        status: list[str],
+        reason: list[str],
+    ) -> xr.Dataset:
+        import xarray as xr
+
+        points = self._plan.points[index]
+        data = {
+            name: xr.DataArray(points[:, place], dims="run", attrs={"units": unit})
+            for place, (name, unit) in enumerate(PARAMETER_UNITS.items())
+        }
+        for place, (name, unit) in enumerate(zip(FIGURES, _FIGURE_UNITS, strict=True)):
+            data[name] = xr.DataArray(figures[:, place], dims="run", attrs={"units": unit})
+        data["status"] = xr.DataArray(np.array(status, object), dims="run")
+        data["reason"] = xr.DataArray(np.array(reason, object), dims="run")
+        values = self._plan.values()
+        attributes = {
+            "study": self._plan.study.name,
+            "study_hash": self._plan.study.hash(),
+            _IDENTITY: self._identity,
+            "mptune_version": values["version"],
+            "campaign": json.dumps(values["campaign"]),
+            "gains": json.dumps(values["gains"]),
+            "feedforward": json.dumps(values["feedforward"]),
+        }
+        return xr.Dataset(data, {"run": index}, attributes)
+
+
+def _write(path: Path, dataset: xr.Dataset) -> None:
+    write_whole_with(path, lambda beside: dataset.to_netcdf(beside, engine="h5netcdf"))

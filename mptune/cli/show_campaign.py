@@ -1,0 +1,179 @@
+"""What ``mptune campaign`` prints."""
+
+from __future__ import annotations
+
+import math
+from contextlib import contextmanager
+from typing import TYPE_CHECKING, Any
+
+from rich.console import Console
+from rich.progress import (
+    BarColumn,
+    MofNCompleteColumn,
+    Progress,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeRemainingColumn,
+)
+from rich.text import Text
+
+from mptune.campaign.draw import PARAMETER_UNITS
+from mptune.campaign.guarantee import runs_table
+from mptune.campaign.result import QUANTILES, draw_json
+from mptune.campaign.simulate import FIGURES
+from mptune.cli.interrupt import interruptible
+from mptune.cli.show import as_json, console, new_table, verdict
+from mptune.units import number, shown
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Iterator
+
+    from rich.progress import Task
+
+    from mptune.campaign.adversary import WorstMachine
+    from mptune.campaign.draw import Draw
+    from mptune.campaign.plan import Plan
+    from mptune.campaign.result import CampaignResult
+    from mptune.verify.result import CaseResult
+
+_SHOWN = (0.05, 0.5, 0.95)
+
+
+class _Rate(ProgressColumn):
+    """Runs per second."""
+
+    def render(self, task: Task) -> Text:
+        return Text("" if task.speed is None else f"{task.speed:.1f} runs/s")
+
+
+@contextmanager
+def progress(*, quiet: bool) -> Iterator[Callable[[int, int], None]]:
+    """Yield a function that takes the runs done and the runs in all; show rate and time left."""
+    columns = (
+        SpinnerColumn(), TextColumn("runs"), BarColumn(), MofNCompleteColumn(), _Rate(),
+        TimeRemainingColumn(),
+    )  # fmt: skip
+    errors = Console(stderr=True)
+    with (
+        interruptible() as check,
+        Progress(*columns, console=errors, transient=True, disable=quiet) as bars,
+    ):
+        task = bars.add_task("runs", total=None)
+
+        def report(done: int, runs: int) -> None:
+            check()
+            bars.update(task, total=runs, completed=done)
+
+        yield report
+
+
+def campaign(result: CampaignResult) -> None:
+    """Print distributions, worst cases, failures and what they guarantee."""
+    table = new_table(f"{result.plan.runs} runs ({result.plan.study.study.campaign.method})")
+    for heading in ("figure", *(f"{100 * share:g} %" for share in _SHOWN), "worst", "run"):
+        table.add_column(heading, justify="left" if heading == "figure" else "right")
+    table.add_column("goes most with (rank correlation)")
+    for figure in FIGURES:
+        quantiles = dict(zip(QUANTILES, result.quantiles(figure), strict=True))
+        worst = result.worst_run(figure)
+        table.add_row(
+            figure,
+            *(number(quantiles[share]) for share in _SHOWN),
+            number(math.nan if worst is None else float(result.column(figure)[worst])),
+            "—" if worst is None else str(worst),
+            _strongest(result.correlations(figure)),
+        )
+    console.print(table)
+    for reason, count in result.reasons().items():
+        console.print(f"failed: {count} of {result.plan.runs}, {reason}")
+    _guarantee(result)
+    met = result.satisfied
+    console.print(verdict("satisfied" if met else "violated", good=met))
+
+
+def _strongest(correlations: dict[str, float]) -> str:
+    known = {name: value for name, value in correlations.items() if not math.isnan(value)}
+    order = sorted(known, key=lambda name: -abs(known[name]))
+    return ", ".join(f"{name} {known[name]:+.2f}" for name in order[:2])
+
+
+def _guarantee(result: CampaignResult) -> None:
+    found = result.guarantee
+    if found is None:
+        console.print(
+            "No guarantee: points of a grid or of Sobol' are no independent draws; "
+            'take campaign.method = "monte carlo" for one.'
+        )
+        return
+    console.print(
+        f"{found.failures} of {found.runs} failed: with a confidence of 1 − {found.doubt:g} a "
+        "machine drawn uniformly from these ranges fails with a probability below "
+        f"{found.failure_probability:.3g} (Clopper and Pearson)."
+    )
+
+
+def needed(failure_probability: float, doubt: float, *, json: bool) -> None:
+    """Print how many runs guarantee a failure probability."""
+    runs = runs_table(failure_probability, doubt)
+    if json:
+        values = {str(failures): count for failures, count in runs.items()}
+        as_json(
+            {
+                "failure_probability": failure_probability,
+                "doubt": doubt,
+                "runs_by_failures": values,
+            }
+        )
+        return
+    console.print(
+        f"For a failure probability below {failure_probability:g} with a confidence of "
+        f"1 − {doubt:g}, by independent draws:"
+    )
+    for failures, count in runs.items():
+        console.print(f"{count} runs, if {failures} of them fail")
+
+
+def replay_json(plan: Plan, run: int, case: CaseResult, reason: str) -> dict[str, Any]:
+    """Return one run's parameters, figures and fate."""
+    return {
+        "run": run,
+        "identity": plan.identity(),
+        "parameters": draw_json(plan.draw(run)),
+        "reason": reason,
+        **case.json(),
+    }
+
+
+def replayed(plan: Plan, run: int, case: CaseResult, reason: str) -> None:
+    """Print one run."""
+    _draw(plan.draw(run))
+    table = new_table(f"Run {run}")
+    table.add_column("figure")
+    table.add_column("value", justify="right")
+    values = case.json()
+    for figure in FIGURES:
+        table.add_row(figure, number(values[figure], 6))
+    console.print(table)
+    console.print("Status:", verdict(reason or case.status.value, good=not reason))
+
+
+def worst(found: WorstMachine) -> None:
+    """Print the worst machine of a search."""
+    _draw(found.draw)
+    low, high = found.other_noise.min(), found.other_noise.max()
+    console.print(
+        f"{found.figure} {number(found.value)}; under other sensor noise {number(low)} to "
+        f"{number(high)}. The worst of {found.evaluations} machines searched, which may miss "
+        "a worse one."
+    )
+    reason = found.reason
+    console.print("Status:", verdict(reason or found.status, good=not reason))
+
+
+def _draw(draw: Draw) -> None:
+    parts = (
+        f"{name.replace('_', ' ')} {shown(value, unit)}"
+        for (name, unit), value in zip(PARAMETER_UNITS.items(), draw, strict=True)
+    )
+    console.print("; ".join(parts))

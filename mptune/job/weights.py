@@ -1,0 +1,82 @@
+"""The force controller's weights searched, drawn, and written down for the study."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import tomlkit
+
+from mptune.campaign.workers import workers
+from mptune.files import make_folder, write_whole
+from mptune.params.controller import Controller
+from mptune.tune.weights.trial import Weights
+from mptune.tune.weights.weights import search_weights
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from mptune.params.study import ResolvedStudy
+    from mptune.tune.weights.result import WeightsResult
+
+
+def weights_study(
+    study: ResolvedStudy,
+    out: Path,
+    progress: Callable[[str, float], None] = lambda *_: None,
+    *,
+    storage: str = "",
+    trials: int = 80,
+    sampler: str = "tpe",
+    seed: int = 1,
+    also: Sequence[str] = (),
+    sets: int = 3,
+    count: int | None = None,
+    scheduler: str = "",
+) -> tuple[WeightsResult, tuple[Path, ...]]:
+    """Search a study's weights; keep the search in ``weights.db`` where no storage is given.
+
+    Raises
+    ------
+    InputError
+        If optuna is missing, or storage, sampler or scheduler cannot be used.
+    """
+    from mptune.figures.style import to_svg
+    from mptune.figures.weights import weights_figure
+
+    folder = make_folder(out / study.name)
+    with workers(count, scheduler) as team:
+        result = search_weights(
+            study,
+            team,
+            storage or f"sqlite:///{(folder / 'weights.db').resolve()}",
+            trials,
+            sampler=sampler,
+            seed=seed,
+            also=also,
+            sets=sets,
+            progress=progress,
+        )
+    files = (
+        write_whole(folder / "weights.toml", _section(result)),
+        write_whole(folder / "weights.svg", to_svg(weights_figure(result))),
+    )
+    return result, files
+
+
+def _section(result: WeightsResult) -> str:
+    """Return the recommended weights as they stand in a study."""
+    found = result.recommendation
+    document = tomlkit.document()
+    verdict = "dominate" if found.dominates else "do not dominate"
+    document.add(tomlkit.comment(f"Weights for {result.study.name}; they {verdict} its own:"))
+    document.add(tomlkit.comment(found.reason))
+    document.add(tomlkit.comment("Gains belong to their weights: sweep or tune again with these."))
+    table = tomlkit.table()
+    for name, unit, symbol, meaning in Controller.quantities():
+        if name in Weights._fields:
+            item = tomlkit.item(f"{getattr(found.trial.weights, name):.6g} {unit}")
+            item.comment(f"{symbol}, {meaning}")
+            table.add(name, item)
+    document.add("controller", table)
+    return tomlkit.dumps(document)
