@@ -1,0 +1,28 @@
+"""The public names: each is what it says, however often and after whatever import."""
+
+import importlib
+import pkgutil
+
+import pytest
+
+import mptune
+
+
+@pytest.mark.parametrize("name", mptune.__all__)
+def test_public_name_is_no_room_and_stays_what_it_is(name):
+    rooms = {room.name for room in pkgutil.iter_modules(mptune.__path__)}
+    assert name not in rooms
+    home, there = mptune._HOMES[name]
+    found = getattr(mptune, name)
+    assert found is getattr(importlib.import_module(home), there)
+    assert getattr(mptune, name) is found
+
+
+def test_unknown_name_is_an_attribute_error():
+    with pytest.raises(AttributeError, match="nonsense"):
+        _ = mptune.nonsense
+
+
+def test_public_names_are_listed_once_and_in_order():
+    assert sorted(mptune.__all__) == sorted(mptune._HOMES)
+    assert dir(mptune) == sorted(mptune.__all__)
