@@ -27,7 +27,7 @@ from mptune.signals.trajectory import reference
 from mptune.signals.tustin import discretise
 from mptune.sim import closed_loop as loop
 from mptune.sim.moves import moves_of
-from mptune.verify.verify import _delays, cases_of, new_memory
+from mptune.verify.verify import cases_of, delays_of, new_memory
 
 FORCE, STOPPED, STATE_A, STATE_B, BEFORE_A, BEFORE_B = range(6)
 FILTERED, CONVERTERS, HISTORY = slice(6, 15), slice(15, 19), slice(19, 25)
@@ -85,7 +85,7 @@ def rig_of(study, case, gains=None, feedforward=None):
         memory=memory,
         machine=machine,
         table=pack_table(study),
-        delays=_delays(study, case),
+        delays=delays_of(study, case.valve_delay),
         gains=packed,
         law=discretise(packed, controller.sampling_period),
         ahead=pack_feedforward(

@@ -14,6 +14,7 @@ from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeEl
 from rich.table import Table
 from rich.text import Text
 
+from mptune.cli.interrupt import interruptible
 from mptune.params.paper import LEDGER
 from mptune.robust.result import Status
 from mptune.robust.tables import EQUATIONS, margin_rows, place_text, undecided_text
@@ -54,10 +55,12 @@ def progress(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
     """Yield a function that takes a stage's name and the share of it that is done."""
     errors = Console(stderr=True)
     columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    with Progress(*columns, console=errors, transient=True, disable=quiet) as bars:
+    bars = Progress(*columns, console=errors, transient=True, disable=quiet)
+    with interruptible() as check, bars:
         tasks: dict[str, Any] = {}
 
         def report(stage: str, share: float) -> None:
+            check()
             for known, task in tasks.items():
                 if known != stage:
                     bars.update(task, total=1.0, completed=1.0)
