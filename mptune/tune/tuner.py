@@ -77,6 +77,11 @@ class Tuner:
         """The study's own gains and feed-forward."""
         return self._own
 
+    @property
+    def blocked(self) -> bool:
+        """Whether no velocity gain within the study's bounds meets Eq. 17's requirement."""
+        return self._velocity.k_p_vel == 0 or self._velocity.k_p_vel < self._least
+
     def figures(self, choice: Choice) -> Figures:
         """Return the figures of merit of a candidate."""
         return self._judge.figures(choice)
@@ -88,7 +93,7 @@ class Tuner:
         progress: Callable[[float], None] = lambda _share: None,
     ) -> TuneResult:
         """Return the tuned gains of one structure, with the whole family's verdict."""
-        if self._velocity.k_p_vel <= self._least:
+        if self.blocked:
             why = _velocity_blocking(self._task, self._velocity)
             return self._result(structure, nothing(self._own), sweep(self._study), why)
         search, found = self.searched(structure, extra, None, progress)
@@ -127,7 +132,7 @@ class Tuner:
             feedforward=found.choice.feedforward,
             before=self._study.study.gains,
             figures=self._judge.figures(found.choice),
-            figures_before=self._before,
+            figures_before=self._judge.figures(self._own),
             velocity=self._velocity,
             sweep=judged,
             blocking=blocking,
