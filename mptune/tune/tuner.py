@@ -27,6 +27,16 @@ if TYPE_CHECKING:
     from mptune.tune.velocity import VelocityGain
 
 
+_REMEDIES = {  # where the figure itself is not what stands in the way
+    Status.NOT_EVALUATED: "some total delay is below half a sampling period: no sampled loop to "
+    "ask",
+    Status.UNDECIDED: "with the best gains found it is undecided whether every loop is stable: "
+    "measured responses may need finer steps or a wider band",
+    Status.UNSTABLE: "with the best gains found some loop is unstable",
+    Status.NOT_CONVERGED: "with the best gains found the worst ratio did not settle",
+}
+
+
 def tune(
     study: ResolvedStudy,
     progress: Callable[[float], None] = lambda _share: None,
@@ -183,8 +193,7 @@ def _velocity_blocking(task: Task, velocity: VelocityGain) -> Blocking:
 def _sweep_blocking(judged: SweepResult) -> Blocking:
     """Return the first requirement that the best gains found do not meet."""
     check = next(check for check in judged.checks if check.status is not Status.SATISFIED)
-    if check.status is Status.NOT_EVALUATED:
-        remedy = "some total delay is below half a sampling period: no sampled loop to ask"
-    else:
-        remedy = f"the best gains found reach {check.found:.3g} where {check.limit} is asked"
+    remedy = _REMEDIES.get(
+        check.status, f"the best gains found reach {check.found:.3g} where {check.limit} is asked"
+    )
     return Blocking(check.name, check.found, check.at, remedy)

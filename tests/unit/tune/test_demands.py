@@ -160,7 +160,7 @@ def test_short_delays_leave_no_sampled_loop_to_ask(load_boom):
 def measured(study_file, tmp_path):
     """Return the boom study with one measured force response: slow, within a band."""
 
-    def study(delay, *overrides, place="beside", low=0.05, high=3000.0):
+    def study(delay, *overrides, place="beside", low=0.05, high=600.0):
         omega = np.geomspace(low, high, 400)
         force = np.exp(-1j * omega * delay) / (1 + 1j * omega * 0.012)
         lines = ["frequency [rad/s],real,imaginary"]
@@ -209,11 +209,11 @@ def test_the_tuner_keeps_the_requirements_for_measured_members_too(measured):
     from mptune.tune.tuner import tune
 
     alone = tune(measured(0.02, low=1.0, high=1.01))  # a band of next to nothing
-    found = tune(measured(0.024, low=0.05, high=3000.0))
+    found = tune(measured(0.024))
     print(f"K_P,vel {alone.gains.k_p_vel:.4g} -> {found.gains.k_p_vel:.4g} N s/m")
     assert found.sweep.satisfied
     assert found.gains.k_p_vel < 0.99 * alone.gains.k_p_vel  # Eq. 17 sees it
-    assert found.sweep.velocity.at.values()["measured"] == "rig"
+    assert found.sweep.velocity.at.values()["response"] == "rig"
 
 
 def test_a_measured_member_that_stands_in_the_way_is_named(measured):
@@ -223,3 +223,12 @@ def test_a_measured_member_that_stands_in_the_way_is_named(measured):
     assert found.status.value == "infeasible"
     assert found.blocking.requirement == "position_ratio"
     assert "rig" in str(found.blocking.at.values())
+
+
+def test_undecided_stability_is_said_not_a_figure_that_is_kept(measured):
+    """Steps in which the phase turns by more than 90° leave the encirclements open."""
+    from mptune.tune.tuner import tune
+
+    found = tune(measured(0.024, high=3000.0))
+    assert found.status.value == "infeasible"
+    assert "undecided" in found.blocking.remedy
