@@ -138,8 +138,10 @@ class _Search:
 
 def _scaled(values: Values, scale: float) -> Values:
     """Return the values with the objective scaled, and those that are not finite replaced."""
-    ends = {"nan": _WORTHLESS, "posinf": _WORTHLESS, "neginf": -_WORTHLESS}
-    peaks, excesses = (np.nan_to_num(one, **ends) for one in (values.peaks, values.excesses))
+    peaks, excesses = (
+        np.nan_to_num(one, nan=_WORTHLESS, posinf=_WORTHLESS, neginf=-_WORTHLESS)
+        for one in (values.peaks, values.excesses)
+    )
     smooth = values.smooth if np.isfinite(values.smooth) else _WORTHLESS
     return Values(scale * peaks, scale * smooth, excesses)
 

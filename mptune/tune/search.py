@@ -142,17 +142,18 @@ class Search:
             progress(0.8 * (n + 1) / len(starts))
         best = min(outcomes, key=_rank)
         if not best.values.feasible:
-            nearest = self._nearest(best)
-            best = self._polish(nearest.point) if nearest.values.feasible else best
+            best = self._nearest(best)
+            best = self._again(best) if best.values.feasible else best
         rounds: list[Round] = []
         for n in range(_ROUNDS):
-            best = self._polish(best.point) if n > 0 else best
+            best = self._again(best) if n > 0 else best
             choice = self._space.choice(best.point)
             worst, more = self._demands.grow(choice.gains)
             _, slower = self._judge.grow(choice, (*self._weights, *self._kept))
             largest = max(one.excess for one in worst)
             plants = self._demands.plants + self._judge.plants
-            rounds.append(Round(best.values.cost, float(np.exp(largest)), plants))
+            cost = self._evaluate(best.point).cost
+            rounds.append(Round(cost, float(np.exp(largest)), plants))
             if not (more or slower):
                 break
         feasible = best.values.feasible and largest <= _MET
@@ -170,6 +171,10 @@ class Search:
             rounds=tuple(rounds),
             evaluations=self._evaluations,
         )
+
+    def _again(self, best: Polished) -> Polished:
+        """Return a point polished once more, plants having been added."""
+        return self._polish(best.point) if best.values.feasible else self._nearest(best)
 
     def _nearest(self, best: Polished) -> Polished:
         """Return the point nearest to every requirement, whatever the objective."""
@@ -212,7 +217,8 @@ class Search:
         return self._space.point(choice._replace(gains=smaller))
 
     def _polish(self, start: FloatArray, relieved: np.ndarray | None = None) -> Polished:
-        found = polish(self._evaluate, start, self._space.low, self._space.high, relieved)
+        evaluate = self._evaluate if relieved is None else self._evaluate_requirements
+        found = polish(evaluate, start, self._space.low, self._space.high, relieved)
         self._evaluations += found.evaluations
         return found
 
@@ -227,13 +233,17 @@ class Search:
             for kind, weight in self._weights.items()
             if kind != "tracking"
         )
+        return Values(peaks, float(smooth), self._excesses(choice))
+
+    def _evaluate_requirements(self, point: FloatArray) -> Values:
+        return Values(np.zeros(0), 0.0, self._excesses(self._space.choice(point)))
+
+    def _excesses(self, choice: Choice) -> FloatArray:
+        """Return the requirements' excesses, and those of earlier objectives."""
         kept = [
-            np.log(np.atleast_1d(self._values(choice, kind)).ravel() / most)
-            for kind, most in self._kept.items()
+            np.log(self._values(choice, kind).ravel() / most) for kind, most in self._kept.items()
         ]
-        return Values(
-            peaks, float(smooth), np.concatenate([self._demands.excesses(choice.gains), *kept])
-        )
+        return np.concatenate([self._demands.excesses(choice.gains), *kept])
 
     def _names(self) -> list[str]:
         """Return the name behind each excess."""

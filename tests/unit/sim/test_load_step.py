@@ -101,7 +101,7 @@ def test_load_is_the_reference_step_through_the_inverse_of_the_controller():
     s = 1j * omega
     _, k_p, _, corner, xi, tau = gains
     shaped = k_p * (s**2 / corner**2 + 2 * xi * s / corner + 1) / (tau * s + 1) ** 2
-    mass, delay, tau_a, tau_b = PLANT
+    _, delay, tau_a, tau_b = PLANT
     lag = SHARE / (tau_a * s + 1) + (1 - SHARE) / (tau_b * s + 1)
     expected = -transform[1] / (gains.k_p_vel * shaped * lag * np.exp(-s * delay))
     assert transform[0] == pytest.approx(expected, rel=1e-4)
