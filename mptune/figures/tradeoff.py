@@ -44,14 +44,14 @@ def compared_controllers(rows: tuple[Baseline, ...]) -> Figure:
         )
         places = np.arange(len(rows))
         index = [1e3 * one.figures.tracking for one in rows]
+        drawn = [value if np.isfinite(value) else 0.0 for value in index]  # a loop that runs away
         colors = [_LOOKS[one.name]["color"] for one in rows]
-        bars.barh(places, index, height=0.55, color=colors)
-        for place, value in zip(places, index, strict=True):
-            bars.annotate(
-                f"{value:.1f}", (value, place), (3, 0), textcoords="offset points", va="center"
-            )
+        bars.barh(places, drawn, height=0.55, color=colors)
+        for place, value, end in zip(places, index, drawn, strict=True):
+            text = f"{value:.1f}" if np.isfinite(value) else "–"
+            bars.annotate(text, (end, place), (3, 0), textcoords="offset points", va="center")
         bars.set_yticks(places, [LABELS[one.name] for one in rows])
-        bars.set(xlabel="Worst performance index [ms]", xlim=(0, 1.18 * max(index)), title="Index")
+        bars.set(xlabel="Worst performance index [ms]", xlim=(0, 1.18 * max(drawn)), title="Index")
         bars.set_ylim(len(rows) - 0.5, -0.5)
         bars.grid(visible=False, axis="y")
         bars.set_axisbelow(True)

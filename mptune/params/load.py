@@ -56,10 +56,16 @@ def load_study(
         known = ", ".join(sorted(study.uncertainty.sets)) or "none"
         fault = Fault("uncertainty.sets", uncertainty, "is not among the sets", f"known: {known}")
         raise InputError(path, fault)
+    chosen = study.uncertainty.chosen(uncertainty)
+    half = study.controller.sampling_period / 2
+    if study.objective.tracking_loop == "sampled" and chosen.delay[0] < half:
+        rule = f"has no hold to run with in a total delay below half a sampling period, {half:g} s"
+        remedy = "raise uncertainty.delay, which holds that half, or write continuous"
+        raise InputError(path, Fault("objective.tracking_loop", "sampled", rule, remedy))
     return ResolvedStudy(
         name=path.resolve().parent.name if path.stem == "study" else path.stem,
         study=study,
-        uncertainty=study.uncertainty.chosen(uncertainty),
+        uncertainty=chosen,
         uncertainty_name=uncertainty,
     )
 

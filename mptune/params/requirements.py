@@ -24,6 +24,13 @@ class GainBounds(Section):
     xi: Range | None = quantity("1", "ξ", "bounds of ξ", None, at_least=0)
     tau: Range | None = quantity("s", "τ", "bounds of τ", None, above=0)
 
+    @field_validator("k_p_pos")
+    @classmethod
+    def _some_position_gain(cls, value: Range | None) -> Range | None:
+        if value is not None and value[1] == 0:
+            refuse("leaves no position controller", "let the upper bound be above 0 1/s")
+        return value
+
 
 class Requirements(Section):
     """The largest allowed left/right ratios of Eq. 17 and 21, and bounds on other margins."""

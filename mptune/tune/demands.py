@@ -3,6 +3,7 @@
 Each is the logarithm of found over allowed. Eq. 21 needs no plants but its envelope max|Δ_pos|(ω),
 which a handful of plants make; M_S, M_T and the sampled loop need the plants that are worst in
 them. Both sets grow: a search asks the few, and ``grow`` asks the whole family afterwards.
+Measured members are always asked, of Eq. 21, M_S and M_T.
 
 Eq. 17 is not among them: every velocity gain up to the largest, known in closed form, meets it.
 """
@@ -18,6 +19,7 @@ from mptune.loops.noise import noise_gain
 from mptune.loops.sampled import stable_as_sampled
 from mptune.robust.grid import frequency_range
 from mptune.robust.margins import family_margins, sampled_margins
+from mptune.robust.measured_loops import member_margins
 from mptune.robust.sweep import CONVERGED
 from mptune.robust.verdict import allowed_ratio
 
@@ -31,7 +33,7 @@ WINDOWS = 40  # of frequency, each judged by its largest ratio
 POINTS = 25 * WINDOWS  # frequencies of the envelope
 _MARGIN_POINTS = 150  # peaks are refined between them
 _IN_HAND = 5 * CONVERGED  # of a ratio, for what the grid does not see
-_GROWN = 1e-3  # of a quotient's logarithm: a plant that is worse by less is not added
+_GROWN = 1e-6  # of a quotient's logarithm: a plant that is worse by less is not added
 _ROUNDING = 1e-5  # kept in hand of every other limit
 _FARTHEST = -5.0  # below a limit: a margin without limit is no farther
 _UNSTABLE = 7.0  # a peak's logarithm where there is no finite one
@@ -87,10 +89,14 @@ class Demands:
         self._allowed = np.log(allowed_ratio(limit, self._omega)) + np.log1p(-_IN_HAND)
         self._envelope = self._behind(start)
         corners = task.corners()
-        self._true = self._sampled = corners
+        members = task.members
+        self._true = corners[:0] if members is not None and members.instead else corners
+        self._sampled = corners
         self._peaks = tuple(name for name in PEAKS if getattr(task.requirements, name) is not None)
+        # Where no hold fits into the delay there is no sampled loop to ask: the verdict says so.
+        runs = bool(task.plants.delay.min() >= task.period / 2)
         self._of_sampled = tuple(
-            name for name in SAMPLED if getattr(task.requirements, name) is not None
+            name for name in SAMPLED if runs and getattr(task.requirements, name) is not None
         )
 
     @property
@@ -105,7 +111,8 @@ class Demands:
     def names(self) -> tuple[str, ...]:
         """The requirement behind each of the excesses."""
         found = [POSITION] * WINDOWS
-        found += [name for name in self._peaks for _ in self._true]
+        measured = len(self._task.members) if self._task.members is not None else 0
+        found += [name for name in self._peaks for _ in range(len(self._true) + measured)]
         found += [name for name in self._of_sampled for _ in self._sampled]
         if self._task.requirements.noise_gain is not None:
             found.append(NOISE)
@@ -126,10 +133,13 @@ class Demands:
         ratio, plant = self._ratio_excess(gains, every)
         top = int(np.argmax(ratio))
         found = [Found(POSITION, float(ratio[top]), int(plant[top]), float(self._omega[top]))]
-        kinds = (*self._peak_excesses(gains, every), *self._sampled_excesses(gains, every))
+        members = self._task.members
+        true = every[:0] if members is not None and members.instead else every
+        kinds = (*self._peak_excesses(gains, true), *self._sampled_excesses(gains, every))
         for name, values, frequency in kinds:
             top = int(np.argmax(values))
-            found.append(Found(name, float(values[top]), top, float(frequency[top])))
+            before = len(every) - len(true) if name in PEAKS else 0  # plants that are not asked
+            found.append(Found(name, float(values[top]), before + top, float(frequency[top])))
         found += [Found(NOISE, float(value), -1, np.nan) for value in self._noise_excess(gains)]
         return tuple(found)
 
@@ -146,7 +156,7 @@ class Demands:
             known[name] = max(known[name], value)
         found, added = self.worst(gains), False
         for one in found:
-            if one.plant < 0 or one.excess <= max(known[one.requirement], -_GROWN) + _GROWN:
+            if one.plant < 0 or one.excess <= max(known[one.requirement], 0.0) + _GROWN:
                 continue
             added = True
             if one.requirement == POSITION:
@@ -175,15 +185,18 @@ class Demands:
     ) -> list[tuple[str, FloatArray, FloatArray]]:
         if not self._peaks:
             return []
-        task = self._task
-        margins = family_margins(self._coarse, task.picked(rows), task.share_a, gains, task.path)
+        task, parts = self._task, []
+        if len(rows):
+            where = (task.picked(rows), task.share_a, gains, task.path)
+            parts.append(family_margins(self._coarse, *where))
+        if task.members is not None:
+            parts.append(member_margins(task.members, gains, task.path))
         found = []
         for name in self._peaks:
-            limit = getattr(task.requirements, name)
-            frequency = getattr(margins, name.replace("peak", "frequency"))[FORCE]
-            found.append(
-                (name, np.log(getattr(margins, name)[FORCE] / limit) + _ROUNDING, frequency)
-            )
+            limit, at = getattr(task.requirements, name), name.replace("peak", "frequency")
+            peak = np.concatenate([getattr(part, name)[FORCE] for part in parts])
+            frequency = np.concatenate([getattr(part, at)[FORCE] for part in parts])
+            found.append((name, np.log(peak / limit) + _ROUNDING, frequency))
         return found
 
     def _sampled_excesses(
@@ -206,7 +219,7 @@ class Demands:
             # An unstable loop's margin is below 1: the factor that would make it stable.
             factor = np.where(stable, margins.gain_margin[FORCE], margins.gain_reduction[FORCE])
             at = np.where(stable, margins.gain_frequency[FORCE], margins.reduction_frequency[FORCE])
-            over = np.log(limit / np.maximum(factor, 1e-3)) + _ROUNDING
+            over = np.log(limit / np.clip(factor, 1e-3, 1e3)) + _ROUNDING
             found.append(("gain_margin", over, at))
         return found
 

@@ -58,10 +58,13 @@ def front(
 
     The gains run from where tracking is best to the largest integral gain that the requirements
     allow; below the first, both figures would be worse. Each is a local optimum, started from its
-    neighbour. Points that no search could make meet the requirements are left out.
+    neighbour. Points that no search could make meet the requirements are left out; all of them
+    where no velocity gain meets Eq. 17's.
     """
     tracking = _for(study, "tracking")
     tuner = Tuner(tracking)
+    if tuner.blocked:
+        return Front((), tuner.figures(tuner.before))
     best = tuner.searched()[1]
     most = Tuner(_for(study, "disturbance")).searched()[1]
     low, high = best.choice.gains.k_i_pos, most.choice.gains.k_i_pos

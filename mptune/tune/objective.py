@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 BINS = 16  # of time: the error's peak in each is a smooth function of the gains
 _SAMPLES_PER_MOVE = 20 * BINS
 _LOAD_TIME = 12.0  # over K_P,pos: long after the peak
+_LONGEST_LOAD_TIME = 30.0  # s
 _LOAD_SAMPLES = 400
 _SLOW = 0.7  # of the slowest corner's index: corners below it are left to ``grow``
 KINDS = ("tracking", "disturbance", "load-step", "bandwidth")
@@ -107,7 +108,8 @@ class Judge:
     def load_peaks(self, gains: LoopGains, rows: IntArray | None = None) -> FloatArray:
         """Return each plant's largest position deviation per newton of a load step [m/N]."""
         task, plants = self._task, self._task.picked(self._loaded if rows is None else rows)
-        time = np.linspace(0, _LOAD_TIME / gains.k_p_pos, _LOAD_SAMPLES)
+        end = _LOAD_TIME / max(gains.k_p_pos, _LOAD_TIME / _LONGEST_LOAD_TIME)
+        time = np.linspace(0, end, _LOAD_SAMPLES)
         return np.asarray(
             np.abs(load_step(plants, task.share_a, gains, task.path, time)).max(axis=1)
         )
@@ -117,7 +119,7 @@ class Judge:
         crossover = gains.k_p_vel / self._task.nominal.mass
         omega = np.geomspace(1e-3 * crossover, 10 * crossover, 400)
         loop = nominal_loops(omega, self._task.nominal, gains, self._task.path)[1]
-        closed = np.log(np.abs(loop / (1 + loop))) + 0.5 * np.log(2)
+        closed = np.log(np.maximum(np.abs(loop / (1 + loop)), 1e-300)) + 0.5 * np.log(2)
         below = np.flatnonzero(closed < 0)
         if len(below) == 0 or below[0] == 0:
             return float(omega[-1] if len(below) == 0 else omega[0])

@@ -3,7 +3,8 @@
 The objective is a largest value (of a peak error over plants, moves and windows of time), which has
 kinks wherever two of them tie, and ties are where its optimum lies. So each value is a constraint
 of its own under a bound that is minimised: a smooth problem, for SLSQP. Derivatives are forward
-differences of the whole vector of values, backward ones at an upper bound.
+differences of the whole vector of values, backward ones at an upper bound. SLSQP ends where an
+absolute step of the objective is small: the objective is taken relative to the start's.
 """
 
 from __future__ import annotations
@@ -23,6 +24,8 @@ _STEP = 1e-5  # of the forward differences, on logarithmic scales
 _ITERATIONS = 150
 _PRECISION = 1e-6
 _MET = 1e-6  # an excess that counts as none
+_SAME = 1e-4  # of the objective: two points that differ by less are worth the same
+_WORTHLESS = 1e3  # stands for values that are not finite, those of a loop that runs away
 
 
 class Values(NamedTuple):
@@ -65,7 +68,8 @@ class Polished:
     values
         What it is worth.
     converged
-        Whether SLSQP met its own criterion: first-order stationary.
+        Whether SLSQP met its own criterion, first-order stationary, at a point that is worth what
+        the returned one is.
     evaluations
         Points looked at.
     """
@@ -109,18 +113,37 @@ class _Search:
             )
         return self._slopes
 
+    def ends_at_best(self, point: FloatArray) -> bool:
+        """Return whether a point is worth what the best one is."""
+        over, cost = self._merit(self.values(point))
+        best_over, best_cost = self.merit
+        return over <= best_over + _SAME and abs(cost - best_cost) <= _SAME * max(1, abs(best_cost))
+
     def _look(self, point: FloatArray) -> Values:
         self.evaluations += 1
         found = self._evaluate(point)
-        if self._relieved.any():
-            relieved = float(found.excesses[self._relieved].max())
-            kept = found.excesses[~self._relieved].max(initial=-1.0)
-            merit = (max(float(kept), _MET), relieved)
-        else:
-            merit = (max(float(found.excesses.max(initial=-1.0)), _MET), found.cost)
+        merit = self._merit(found)
         if merit < self.merit:
             self.merit, self.best, self.best_values = merit, point.copy(), found
         return found
+
+    def _merit(self, found: Values) -> tuple[float, float]:
+        """Return what a point is worth: how far it is from what must be kept, and its objective."""
+        if self._relieved.any():
+            relieved = float(found.excesses[self._relieved].max())
+            kept = found.excesses[~self._relieved].max(initial=-1.0)
+            return max(float(kept), _MET), relieved
+        return max(float(found.excesses.max(initial=-1.0)), _MET), found.cost
+
+
+def _scaled(values: Values, scale: float) -> Values:
+    """Return the values with the objective scaled, and those that are not finite replaced."""
+    peaks, excesses = (
+        np.nan_to_num(one, nan=_WORTHLESS, posinf=_WORTHLESS, neginf=-_WORTHLESS)
+        for one in (values.peaks, values.excesses)
+    )
+    smooth = values.smooth if np.isfinite(values.smooth) else _WORTHLESS
+    return Values(scale * peaks, scale * smooth, excesses)
 
 
 def polish(
@@ -144,9 +167,14 @@ def polish(
         ``(C,)`` true for excesses to be made small instead of the objective, the others kept: how
         far a requirement would have to give.
     """
-    first = evaluate(start)
+    first = _scaled(evaluate(start), 1.0)
+    if len(start) == 0:
+        return Polished(start, first, converged=True, evaluations=1)
+    unit = abs(first.cost) or 1.0
+    first = _scaled(first, 1 / unit)
     give = np.zeros(len(first.excesses), np.bool_) if relieved is None else relieved
-    search, relief = _Search(evaluate, high, give), bool(give.any())
+    search = _Search(lambda point: _scaled(evaluate(point), 1 / unit), high, give)
+    relief = bool(give.any())
     count = len(start)
 
     def objective(y: FloatArray) -> float:
@@ -178,5 +206,6 @@ def polish(
         constraints={"type": "ineq", "fun": room, "jac": room_slopes},
         options={"maxiter": _ITERATIONS, "ftol": _PRECISION},
     )
-    search.values(result.x[:-1])
-    return Polished(search.best, search.best_values, bool(result.success), search.evaluations)
+    converged = bool(result.success) and search.ends_at_best(result.x[:-1])
+    best = _scaled(search.best_values, unit)
+    return Polished(search.best, best, converged, search.evaluations)

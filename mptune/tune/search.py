@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -32,6 +32,7 @@ _SMALLER = (1.0, 0.5, 0.25)  # of the position gains, tried where no convex star
 _REPEATS, _GAINED = 6, 1e-3  # of a polish, and what makes another one worth its while
 _BINDING = 2e-3  # of a logarithm
 _MET = 1e-5  # an excess that counts as none
+_NO_INTEGRAL = 1e-6  # 1/s²: stands for a gain of 0, whose inverse is wanted
 
 
 @dataclass(frozen=True)
@@ -122,7 +123,8 @@ class Search:
             value = self._value(found.choice, last)
             self._kept[last] = value * (1 + objective.keep)
             self._weights = {kind: 1.0}
-            found = self._improve([self._space.point(found.choice)], progress)
+            better = self._improve([self._space.point(found.choice)], progress)
+            found = better if better.feasible else found
         return found
 
     def reliefs(self, found: Searched) -> tuple[Relief, ...]:
@@ -144,20 +146,24 @@ class Search:
             outcomes.append(self._polish(self._kept_best(start)))
             progress(0.7 * (n + 1) / len(starts))
         best = self._settled(min(outcomes, key=_rank))
+        if not best.values.feasible:
+            best = self._nearest(best)
+            best = self._again(best) if best.values.feasible else best
         rounds: list[Round] = []
-        for _ in range(_ROUNDS):
+        for n in range(_ROUNDS):
+            best = self._again(best) if n > 0 else best
             choice = self._space.choice(best.point)
             worst, more = self._demands.grow(choice.gains)
-            _, slower = self._judge.grow(choice, tuple(self._weights))
+            _, slower = self._judge.grow(choice, (*self._weights, *self._kept))
             largest = max(one.excess for one in worst)
             plants = self._demands.plants + self._judge.plants
-            rounds.append(Round(best.values.cost, float(np.exp(largest)), plants))
+            cost = self._evaluate(best.point).cost
+            rounds.append(Round(cost, float(np.exp(largest)), plants))
             if not (more or slower):
                 break
-            best = self._settled(self._polish(best.point))
         feasible = best.values.feasible and largest <= _MET
-        if not feasible:  # the gains nearest to every requirement, whatever the objective
-            best = self._polish(best.point, np.ones(len(best.values.excesses), np.bool_))
+        if not feasible:
+            best = self._nearest(best)
             worst = self._demands.worst(self._space.choice(best.point).gains)
             feasible = max(one.excess for one in worst) <= _MET
         progress(1.0)
@@ -170,6 +176,16 @@ class Search:
             rounds=tuple(rounds),
             evaluations=self._evaluations,
         )
+
+    def _again(self, best: Polished) -> Polished:
+        """Return a point polished once more, plants having been added."""
+        if not best.values.feasible:
+            return self._nearest(best)
+        return self._settled(self._polish(best.point))
+
+    def _nearest(self, best: Polished) -> Polished:
+        """Return the point nearest to every requirement, whatever the objective."""
+        return self._polish(best.point, np.ones(len(best.values.excesses), np.bool_))
 
     def _starts(self, first: Choice | None) -> list[FloatArray]:
         """Return points to polish: the given or the study's own, and the convex core's."""
@@ -240,11 +256,12 @@ class Search:
             if _rank(again) < _rank(best):
                 best = again
             if not better:
-                break
+                return replace(best, converged=best.converged or again.converged)
         return best
 
     def _polish(self, start: FloatArray, relieved: np.ndarray | None = None) -> Polished:
-        found = polish(self._evaluate, start, self._space.low, self._space.high, relieved)
+        evaluate = self._evaluate if relieved is None else self._evaluate_requirements
+        found = polish(evaluate, start, self._space.low, self._space.high, relieved)
         self._evaluations += found.evaluations
         return found
 
@@ -252,20 +269,24 @@ class Search:
         choice = self._space.choice(point)
         peaks = np.zeros(0)
         if "tracking" in self._weights:
-            share = self._weights["tracking"] / self._before.tracking
+            share = self._weights["tracking"] / self._base("tracking")
             peaks = share * self._judge.tracking_peaks(choice).ravel()
         smooth = sum(
             weight * self._value(choice, kind) / self._base(kind)
             for kind, weight in self._weights.items()
             if kind != "tracking"
         )
+        return Values(peaks, float(smooth), self._excesses(choice))
+
+    def _evaluate_requirements(self, point: FloatArray) -> Values:
+        return Values(np.zeros(0), 0.0, self._excesses(self._space.choice(point)))
+
+    def _excesses(self, choice: Choice) -> FloatArray:
+        """Return the requirements' excesses, and those of earlier objectives."""
         kept = [
-            np.log(np.atleast_1d(self._values(choice, kind)).ravel() / most)
-            for kind, most in self._kept.items()
+            np.log(self._values(choice, kind).ravel() / most) for kind, most in self._kept.items()
         ]
-        return Values(
-            peaks, float(smooth), np.concatenate([self._demands.excesses(choice.gains), *kept])
-        )
+        return np.concatenate([self._demands.excesses(choice.gains), *kept])
 
     def _names(self) -> list[str]:
         """Return the name behind each excess."""
@@ -281,21 +302,23 @@ class Search:
             return self._judge.tracking_peaks(choice)
         if kind == "load-step":
             return self._judge.load_peaks(choice.gains)
-        value = choice.gains.k_i_pos if kind == "disturbance" else None
-        return np.array([1 / (value or self._judge.bandwidth(choice.gains))])
+        if kind == "disturbance":
+            return np.array([1 / max(choice.gains.k_i_pos, _NO_INTEGRAL)])
+        return np.array([1 / self._judge.bandwidth(choice.gains)])
 
     def _value(self, choice: Choice, kind: str) -> float:
         return float(self._values(choice, kind).max())
 
     def _base(self, kind: str) -> float:
-        """Return the study's own gains' value of one kind of objective."""
+        """Return the study's own gains' value of one kind of objective; 1 where they have none."""
         before = self._before
-        return {
+        value = {
             "tracking": before.tracking,
-            "disturbance": 1 / max(before.integral_gain, 1e-9),
+            "disturbance": 1 / (before.integral_gain or 1.0),
             "load-step": before.load_step,
             "bandwidth": 1 / before.bandwidth,
         }[kind]
+        return value if np.isfinite(value) and value > 0 else 1.0
 
     def _binding(self, best: Polished) -> tuple[str, ...]:
         """Return the requirements and bounds that a point lies at."""

@@ -120,7 +120,8 @@ class Space:
 def _derivative_gain(gains: LoopGains) -> float:
     """Return the K_D that is nearest to Eq. 22's gains, from the coefficient of s."""
     first = 2 * gains.xi * gains.k_p_pos / gains.omega
-    return max(first - 2 * gains.tau * gains.k_p_pos, 1e-3 * first)
+    derivative = first - 2 * gains.tau * gains.k_p_pos
+    return derivative if derivative > 0 else 1e-3 * first
 
 
 def space_of(
@@ -201,5 +202,5 @@ def _stated(task: Task) -> dict[str, Range]:
     for name in type(stated).model_fields:
         pair = getattr(stated, name)
         if pair is not None:
-            found[name] = (max(pair[0], 1e-6 * max(pair[1], 1e-6)), pair[1])
+            found[name] = (max(pair[0], 1e-6 * pair[1]), pair[1])
     return found

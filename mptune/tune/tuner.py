@@ -27,6 +27,16 @@ if TYPE_CHECKING:
     from mptune.tune.velocity import VelocityGain
 
 
+_REMEDIES = {  # where the figure itself is not what stands in the way
+    Status.NOT_EVALUATED: "some total delay is below half a sampling period: no sampled loop to "
+    "ask",
+    Status.UNDECIDED: "with the best gains found it is undecided whether every loop is stable: "
+    "measured responses may need finer steps or a wider band",
+    Status.UNSTABLE: "with the best gains found some loop is unstable",
+    Status.NOT_CONVERGED: "with the best gains found the worst ratio did not settle",
+}
+
+
 def tune(
     study: ResolvedStudy,
     progress: Callable[[float], None] = lambda _share: None,
@@ -77,6 +87,11 @@ class Tuner:
         """The study's own gains and feed-forward."""
         return self._own
 
+    @property
+    def blocked(self) -> bool:
+        """Whether no velocity gain within the study's bounds meets Eq. 17's requirement."""
+        return self._velocity.k_p_vel == 0 or self._velocity.k_p_vel < self._least
+
     def figures(self, choice: Choice) -> Figures:
         """Return the figures of merit of a candidate."""
         return self._judge.figures(choice)
@@ -88,7 +103,7 @@ class Tuner:
         progress: Callable[[float], None] = lambda _share: None,
     ) -> TuneResult:
         """Return the tuned gains of one structure, with the whole family's verdict."""
-        if self._velocity.k_p_vel <= self._least:
+        if self.blocked:
             why = _velocity_blocking(self._task, self._velocity)
             return self._result(structure, nothing(self._own), sweep(self._study), why)
         search, found = self.searched(structure, extra, None, progress)
@@ -127,7 +142,7 @@ class Tuner:
             feedforward=found.choice.feedforward,
             before=self._study.study.gains,
             figures=self._judge.figures(found.choice),
-            figures_before=self._before,
+            figures_before=self._judge.figures(self._own),
             velocity=self._velocity,
             sweep=judged,
             blocking=blocking,
@@ -178,8 +193,7 @@ def _velocity_blocking(task: Task, velocity: VelocityGain) -> Blocking:
 def _sweep_blocking(judged: SweepResult) -> Blocking:
     """Return the first requirement that the best gains found do not meet."""
     check = next(check for check in judged.checks if check.status is not Status.SATISFIED)
-    if check.status is Status.NOT_EVALUATED:
-        remedy = "some total delay is below half a sampling period: no sampled loop to ask"
-    else:
-        remedy = f"the best gains found reach {check.found:.3g} where {check.limit} is asked"
+    remedy = _REMEDIES.get(
+        check.status, f"the best gains found reach {check.found:.3g} where {check.limit} is asked"
+    )
     return Blocking(check.name, check.found, check.at, remedy)

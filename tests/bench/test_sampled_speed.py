@@ -34,7 +34,7 @@ def test_the_whole_family_as_it_runs(boom):
     share_a, omega = boom.study.cylinder.share_a, first_grid(0.1, 1000.0)
     stable = median_time(lambda: stable_as_sampled(plants, share_a, gains, path, period))
     margins = median_time(lambda: sampled_margins(omega, plants, share_a, gains, path, period))
-    noise = median_time(lambda: noise_gain(gains, path, period))
+    noise = median_time(lambda: noise_gain(gains, path))
     print(
         f"\n{len(plants.mass)} plants: multipliers {stable:.0f} ms, margins on {len(omega)} "
         f"frequencies {margins:.0f} ms; noise gain {noise:.2f} ms"

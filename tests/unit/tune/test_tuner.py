@@ -1,21 +1,40 @@
-"""The first tuner: the largest velocity gain, and a position controller within Eq. 21."""
+"""The tuner on the paper's study: what it finds, what limits it, and what it says when nothing can.
 
+The figures asked for here are of the worst performance index over the family: 14.43 ms with the
+published gains.
+"""
+
+import numpy as np
 import pytest
+from scipy.stats import qmc
 
 from mptune.loops.family import plants_of
 from mptune.params.pack import pack_gains, pack_nominal, pack_path
 from mptune.robust.sweep import sweep
-from mptune.tune.tuner import TuneStatus, tune
+from mptune.tune.objective import Judge
+from mptune.tune.result import TuneStatus
+from mptune.tune.search import Search
+from mptune.tune.space import Choice
+from mptune.tune.task import Task
+from mptune.tune.tuner import Tuner, tune
 from mptune.tune.velocity import largest_velocity_gain
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 
 LIMIT = 0.65
+AS_PUBLISHED = ("requirements.position_ratio=0.476", 'requirements.noise_gain="34.08 MN/m"')
+RATIO = "requirements.position_ratio=0.476"
 
 
-@pytest.fixture(scope="module")
-def tuned(load_boom):
-    return tune(load_boom(corners=True))
+def gain_of(found):
+    """Return how much less the worst index is, printed with what binds."""
+    before, after = found.figures_before.tracking, found.figures.tracking
+    gain = 1 - after / before
+    print(
+        f"worst index {1e3 * before:.3f} -> {1e3 * after:.3f} ms ({100 * gain:.2f} %), "
+        f"{found.evaluations} candidates, {found.status.value}, binding: {', '.join(found.binding)}"
+    )
+    return gain
 
 
 def velocity_gain(study, limit=LIMIT, **options):
@@ -28,6 +47,9 @@ def velocity_gain(study, limit=LIMIT, **options):
         limit,
         **options,
     )
+
+
+# The velocity gain ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("path", ["none", "filters"])
@@ -54,53 +76,7 @@ def test_bound_limits_the_velocity_gain(load_boom):
     assert (found.k_p_vel, found.limited_by) == (5e5, "bounds")
 
 
-def test_tuned_gains_meet_the_requirements_and_track_better(tuned):
-    assert tuned.status is TuneStatus.FEASIBLE
-    assert tuned.sweep.satisfied
-    assert tuned.sweep.velocity.worst_ratio <= 0.65
-    assert tuned.sweep.position.worst_ratio <= 0.48
-    gain = 1 - tuned.figures.tracking / tuned.figures_before.tracking
-    print(
-        f"index {1e3 * tuned.figures_before.tracking:.2f} -> {1e3 * tuned.figures.tracking:.2f} ms"
-        f" ({100 * gain:.0f} %), {tuned.evaluations} candidates"
-    )
-    assert gain > 0.15
-
-
-def test_tuned_gains_stay_within_the_studys_bounds(tuned):
-    assert 22 <= tuned.gains.k_i_pos <= 200
-    assert 0.005 <= tuned.gains.tau <= 0.03
-
-
-def test_the_same_study_gives_the_same_gains(load_boom, tuned):
-    assert tune(load_boom(corners=True)).gains == tuned.gains
-
-
-def test_disturbance_objective_raises_the_integral_gain(load_boom):
-    study = load_boom(
-        'objective.kind="disturbance"',
-        'requirements.bounds.tau=["6 ms", "6.001 ms"]',
-        "requirements.position_ratio=0.476",
-        corners=True,
-    )
-    found = tune(study)
-    print(f"K_I,pos 22 -> {found.gains.k_i_pos:.1f} 1/s²")
-    assert found.sweep.satisfied
-    assert found.gains.k_i_pos > 2.5 * 22
-
-
-def test_velocity_ratio_below_the_low_frequency_limit_is_infeasible(load_boom):
-    """As ω → 0 the ratio tends to 1 − m_min/m_max = 0.5 at any gain."""
-    found = tune(load_boom("requirements.velocity_ratio=0.45", corners=True))
-    assert found.status is TuneStatus.INFEASIBLE
-    assert found.blocking is not None
-    assert found.blocking.requirement == "velocity_ratio"
-    assert found.blocking.least_found == pytest.approx(0.5)
-    assert found.blocking.at.mass_kg == 49000
-    assert found.blocking.at.frequency_rad_s == 0
-
-
-def test_nominal_mass_inside_the_range_makes_it_feasible(load_boom):
+def test_nominal_mass_inside_the_range_makes_a_small_velocity_ratio_feasible(load_boom):
     """The nominal mass is a choice: between the extremes the low-frequency limit falls."""
     found = velocity_gain(
         load_boom('uncertainty.nominal.mass="32667 kg"', corners=True), limit=0.45
@@ -108,17 +84,280 @@ def test_nominal_mass_inside_the_range_makes_it_feasible(load_boom):
     assert found.k_p_vel > 1e5
 
 
-def test_unreachable_position_ratio_is_infeasible_and_names_plant_and_frequency(load_boom):
+def test_a_velocity_gain_that_is_given_is_kept(load_boom):
+    bound = 'requirements.bounds.k_p_vel=["650 kN s/m", "650 kN s/m"]'
+    found = tune(load_boom(bound, corners=True))
+    assert found.gains.k_p_vel == pytest.approx(650e3)
+    assert found.status is TuneStatus.OPTIMAL
+
+
+# What it finds ----------------------------------------------------------------------------------
+
+
+def test_tuned_gains_meet_every_requirement_and_bound_and_track_better(tuned_boom):
+    assert gain_of(tuned_boom) > 0.2
+    assert tuned_boom.status is TuneStatus.OPTIMAL
+    assert tuned_boom.sweep.satisfied
+    assert tuned_boom.blocking is None
+    assert tuned_boom.sweep.velocity.worst_ratio <= 0.65
+    assert 0.479 < tuned_boom.sweep.position.worst_ratio <= 0.48
+    assert 22 <= tuned_boom.gains.k_i_pos <= 200
+    assert 0.005 * (1 - 1e-9) <= tuned_boom.gains.tau <= 0.03
+
+
+def test_the_same_study_gives_the_same_gains(load_boom, tuned_boom):
+    assert tune(load_boom(corners=True)).gains == tuned_boom.gains
+
+
+def test_the_whole_family_keeps_what_is_asked_of_it(load_boom):
+    """Tuned on the plants that bind, judged on 7⁴."""
+    found = tune(load_boom("uncertainty.points=7"))
+    print([(one.worst, one.plants) for one in found.rounds])
+    assert found.sweep.satisfied
+    assert found.rounds[-1].plants < 50 < len(found.sweep.plants.mass)
+    assert found.figures.tracking < 0.0115
+
+
+@pytest.fixture(scope="module")
+def as_published(load_boom):
+    """Tuned within what the published gains reach: both ratios, the noise gain and bounds."""
+    return tune(load_boom(*AS_PUBLISHED, "uncertainty.points=3"))
+
+
+def test_within_what_the_published_gains_reach_the_index_is_19_percent_less(as_published):
+    assert gain_of(as_published) >= 0.19
+    assert as_published.sweep.satisfied
+    assert as_published.sweep.noise_gain <= 34.08e6
+    assert as_published.gains.tau >= 0.005
+    assert as_published.gains.k_i_pos >= 22
+    assert set(as_published.binding) == {"position_ratio", "noise_gain", "k_p_vel ≤"}
+
+
+@pytest.fixture(scope="module")
+def free(load_boom):
+    """Tuned within the published ratio of Eq. 21 alone: τ from 1 ms, K_I as it likes."""
+    bounds = (
+        'requirements.bounds.tau=["1 ms", "30 ms"]',
+        'requirements.bounds.k_i_pos=["0 1/s^2", "2000 1/s^2"]',
+    )
+    return tune(load_boom(RATIO, *bounds, "uncertainty.points=3"))
+
+
+def test_within_the_published_ratio_alone_the_index_is_29_percent_less(free):
+    assert gain_of(free) >= 0.29
+    assert free.sweep.satisfied
+    assert set(free.binding) == {"position_ratio", "tau ≥"}
+
+
+def test_largest_integral_gain_at_the_published_tau(load_boom):
+    fixed = 'requirements.bounds.tau=["6 ms", "6 ms"]'
+    found = tune(load_boom('objective.kind="disturbance"', fixed, RATIO, "uncertainty.points=3"))
+    print(f"K_I,pos 22 -> {found.gains.k_i_pos:.2f} 1/s² at τ = 6 ms, {', '.join(found.binding)}")
+    assert found.gains.tau == 0.006
+    assert found.sweep.satisfied
+    assert found.gains.k_i_pos == pytest.approx(70, abs=1.5)
+    assert found.binding == ("position_ratio",)
+
+
+BRACKETS = {
+    "margin": ("requirements.gain_margin=1.5",),
+    "peak": ("requirements.sensitivity_peak=2.5",),
+    "filters": ('model.measurement_path="filters"', "requirements.position_ratio=0.7"),
+    "curve": ('requirements.position_ratio=[["5 rad/s", 0.3], ["50 rad/s", 0.6]]',),
+}
+
+
+@pytest.mark.parametrize("name", BRACKETS)
+def test_every_requirement_is_kept_and_something_binds(load_boom, name):
+    found = tune(load_boom(*BRACKETS[name], corners=True))
+    gain_of(found)
+    assert found.status in {TuneStatus.OPTIMAL, TuneStatus.NOT_CONVERGED}
+    assert found.sweep.satisfied
+    assert found.binding
+
+
+# Against other starts -----------------------------------------------------------------------------
+
+
+def test_no_other_start_ends_better(load_boom, tuned_boom):
+    """Polished from points spread over the space; the global search stands with the benchmarks."""
+    task = Task.of(load_boom(corners=True))
+    judge = Judge(task)
+    before = judge.figures(Choice(task.start, task.study.study.feedforward))
+    search = Search(task, judge, before, tuned_boom.gains.k_p_vel)
+    ours = tuned_boom.figures.tracking / tuned_boom.figures_before.tracking
+    low, high = search.space.low, search.space.high
+    found = []
+    for share in qmc.Sobol(len(low), seed=3).random(4):
+        end = search._polish(low + share * (high - low)).values
+        found.append(end.cost if end.feasible else np.inf)
+    print(f"tuner {ours:.5f}, from elsewhere {np.sort(found)}")
+    assert ours <= min(found) * 1.001
+    assert min(found) < 1.001 * ours  # and one of them ends in the same place
+
+
+# Objectives -------------------------------------------------------------------------------------
+
+
+def tuned_for(load_boom, *objective):
+    return tune(load_boom(*objective, corners=True))
+
+
+@pytest.fixture(scope="module")
+def by_kind(load_boom, tuned_boom):
+    kinds = ("disturbance", "load-step", "bandwidth")
+    found = {kind: tuned_for(load_boom, f'objective.kind="{kind}"') for kind in kinds}
+    return {"tracking": tuned_boom, **found}
+
+
+FIGURE = {
+    "tracking": ("tracking", -1),
+    "disturbance": ("integral_gain", 1),
+    "load-step": ("load_step", -1),
+    "bandwidth": ("bandwidth", 1),
+}
+
+
+@pytest.mark.parametrize("kind", FIGURE)
+def test_each_objective_improves_what_it_says_more_than_any_other_does(by_kind, kind):
+    field, sign = FIGURE[kind]
+    best = {name: sign * getattr(one.figures, field) for name, one in by_kind.items()}
+    own = sign * getattr(by_kind[kind].figures_before, field)
+    print(kind, {name: f"{value:.4g}" for name, value in best.items()}, f"published {own:.4g}")
+    assert by_kind[kind].sweep.satisfied
+    assert best[kind] > own
+    assert best[kind] >= max(best.values()) - 2e-3 * abs(best[kind])
+
+
+def test_later_objectives_cost_the_first_no_more_than_is_allowed(load_boom, by_kind):
+    then = ('objective.then=["disturbance"]', "objective.keep=0.02")
+    found = tuned_for(load_boom, *then)
+    first, alone = by_kind["tracking"].figures, by_kind["disturbance"].figures
+    print(
+        f"index {1e3 * first.tracking:.3f} -> {1e3 * found.figures.tracking:.3f} ms, K_I,pos "
+        f"{first.integral_gain:.1f} -> {found.figures.integral_gain:.1f}, alone "
+        f"{alone.integral_gain:.1f}"
+    )
+    assert found.sweep.satisfied
+    assert found.figures.tracking <= 1.02 * first.tracking * (1 + 1e-4)
+    assert first.integral_gain < found.figures.integral_gain < alone.integral_gain
+    assert "objective tracking" in found.binding
+
+
+def test_nothing_to_give_leaves_the_first_objective_as_it_is(load_boom, by_kind):
+    found = tuned_for(load_boom, 'objective.then=["bandwidth"]', "objective.keep=0")
+    first = by_kind["tracking"].figures
+    assert found.sweep.satisfied
+    assert found.figures.tracking <= first.tracking * (1 + 1e-4)
+    assert found.figures.bandwidth >= first.bandwidth * (1 - 1e-4)
+
+
+def test_more_weight_on_disturbance_means_more_integral_gain(load_boom, by_kind):
+    gains = [by_kind["tracking"].figures.integral_gain]
+    for weight in (0.3, 3.0):
+        objective = f"objective={{tracking=1, disturbance={weight}}}"
+        found = tuned_for(load_boom, objective)
+        assert found.sweep.satisfied
+        gains.append(found.figures.integral_gain)
+    gains.append(by_kind["disturbance"].figures.integral_gain)
+    print(f"K_I,pos {gains}")
+    assert gains == sorted(gains)
+    assert gains[-2] > 1.05 * gains[0]
+
+
+# Starts -----------------------------------------------------------------------------------------
+
+STARTS = {
+    "a hundred times": ('gains.k_p_pos="1300 1/s"', 'gains.k_i_pos="5e4 1/s^2"'),
+    "beyond numbers": ('gains.k_p_pos="1e5 1/s"', 'gains.k_i_pos="1e8 1/s^2"'),
+    "none": ('gains.k_p_pos="0 1/s"', 'gains.k_i_pos="0 1/s^2"', 'gains.tau="1 s"'),
+}
+
+
+@pytest.mark.parametrize("name", STARTS)
+def test_a_start_that_does_not_stabilise_ends_where_a_good_one_does(load_boom, tuned_boom, name):
+    found = tune(load_boom(*STARTS[name], corners=True))
+    gain_of(found)
+    assert found.sweep.satisfied
+    assert found.figures.tracking == pytest.approx(tuned_boom.figures.tracking, rel=2e-3)
+
+
+def test_disturbance_from_a_study_without_integral_action(load_boom, by_kind):
+    found = tuned_for(load_boom, 'objective.kind="disturbance"', 'gains.k_i_pos="0 1/s^2"')
+    expected = by_kind["disturbance"].figures.integral_gain
+    assert found.figures.integral_gain == pytest.approx(expected, rel=2e-3)
+
+
+def test_no_integral_gain_and_nothing_free_are_answers(load_boom):
+    none = 'requirements.bounds.k_i_pos=["0 1/s^2", "0 1/s^2"]'
+    found = tune(load_boom(none, corners=True))
+    assert found.gains.k_i_pos == 0
+    assert found.sweep.satisfied
+    fixed = tune(
+        load_boom('requirements.bounds.k_p_pos=["9 1/s", "9 1/s"]', corners=True), structure="p"
+    )
+    assert fixed.gains.k_p_pos == 9
+    assert fixed.status is TuneStatus.OPTIMAL
+
+
+# What cannot be met -----------------------------------------------------------------------------
+
+
+@pytest.mark.parametrize("limit", [0.45, 0.49])
+def test_velocity_ratio_below_the_low_frequency_limit_is_infeasible(load_boom, limit):
+    """As ω → 0 the ratio tends to 1 − m_min/m_max = 0.5 at any gain."""
+    found = tune(load_boom(f"requirements.velocity_ratio={limit}", corners=True))
+    assert found.status is TuneStatus.INFEASIBLE
+    assert found.blocking.requirement == "velocity_ratio"
+    assert found.blocking.least_found == pytest.approx(0.5)
+    assert found.blocking.at.mass_kg == 49000
+    assert found.blocking.at.frequency_rad_s == 0
+    assert "nominal.mass" in found.blocking.remedy
+
+
+def test_unreachable_position_ratio_names_plant_frequency_and_how_far_it_is(load_boom):
     found = tune(load_boom("requirements.position_ratio=0.1", corners=True))
     assert found.status is TuneStatus.INFEASIBLE
-    assert found.blocking is not None
-    assert found.blocking.requirement.startswith("position_ratio")
-    assert found.blocking.least_found > 0.1
-    assert found.blocking.at.frequency_rad_s > 0
+    assert found.blocking.requirement == "position_ratio"
+    assert found.blocking.at.mass_kg in {24500, 49000}
+    assert 1 < found.blocking.at.frequency_rad_s < 200
+    reliefs = {one.requirement: one.factor for one in found.blocking.reliefs}
+    print(found.blocking.remedy, reliefs)
+    needed = 0.1 * reliefs["position_ratio"]
+    assert needed == pytest.approx(found.sweep.position.worst_ratio, rel=2e-3)
+    given = tune(load_boom(f"requirements.position_ratio={1.005 * needed}", corners=True))
+    assert given.sweep.satisfied
 
 
-def test_a_requirement_that_cannot_be_checked_is_not_taken_as_met(load_boom):
-    found = tune(load_boom('requirements.noise_gain="1 MN/m"', corners=True))
+def test_two_requirements_in_each_others_way_say_how_far_each_would_have_to_give(load_boom):
+    asked = ('requirements.noise_gain="20 MN/m"', "requirements.position_ratio=0.3")
+    found = tune(load_boom(*asked, corners=True))
+    assert found.status is TuneStatus.INFEASIBLE
+    reliefs = {one.requirement: one.factor for one in found.blocking.reliefs}
+    print(found.blocking.requirement, reliefs)
+    assert set(reliefs) == {"position_ratio", "noise_gain"}
+    factor = reliefs["position_ratio"]
+    assert np.isfinite(factor)
+    assert factor > 1
+    assert found.blocking.least_found < factor  # both give a little at the nearest gains
+
+
+def test_a_bound_above_every_admissible_velocity_gain_blocks(load_boom):
+    bound = 'requirements.bounds.k_p_vel=["900 kN s/m", "950 kN s/m"]'
+    found = tune(load_boom(bound, corners=True))
+    assert found.status is TuneStatus.INFEASIBLE
+    assert found.blocking.requirement == "velocity_ratio"
+    assert "below the study's bound" in found.blocking.remedy
+
+
+def test_a_sampled_loop_that_cannot_be_asked_is_not_taken_as_met(load_boom):
+    asked = ("requirements.gain_margin=1.5", 'uncertainty.delay=["3 ms", "14 ms"]')
+    found = tune(load_boom(*asked, corners=True))
     assert not found.sweep.satisfied
-    assert found.blocking is not None
-    assert found.blocking.requirement == "noise_gain"
+    assert found.blocking.requirement == "gain_margin"
+    assert "half a sampling period" in found.blocking.remedy
+
+
+def test_a_tuner_says_whether_the_velocity_gain_blocks(load_boom):
+    assert Tuner(load_boom("requirements.velocity_ratio=0.45", corners=True)).blocked
+    assert not Tuner(load_boom(corners=True)).blocked

@@ -1,0 +1,102 @@
+"""The tuner's time and worth, beside a global search's; run with ``make bench``."""
+
+import statistics
+import time
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from scipy.optimize import differential_evolution
+
+from mptune.job.tune import tune_study
+from mptune.params.load import load_study
+from mptune.tune.core import Core
+from mptune.tune.objective import Judge
+from mptune.tune.search import Search
+from mptune.tune.space import Choice
+from mptune.tune.task import Task
+from mptune.tune.tuner import Tuner, tune
+from mptune.verify.verify import verify
+
+pytestmark = pytest.mark.bench
+
+PENALTY = 10.0
+
+
+def test_tuning_the_papers_study_takes_less_than_5_seconds(boom, tmp_path):
+    """Both loops and the whole family's verdict, kernels loaded."""
+    tune_study(boom, tmp_path / "first")
+    start = time.perf_counter()
+    found = tune_study(boom, tmp_path / "second").tuned
+    seconds = time.perf_counter() - start
+    print(
+        f"\n{len(found.sweep.plants.mass)} plants: {seconds:.2f} s, {found.evaluations} candidates"
+    )
+    assert found.sweep.satisfied
+    assert seconds < 5
+
+
+def test_the_convex_core_takes_less_than_0_3_seconds_per_tau(boom):
+    task, search = Task.of(boom), Tuner(boom).searched()[0]
+    gains = task.start._replace(k_p_vel=search.space.fixed.gains.k_p_vel)
+    core = Core(task, gains, task.corners(), search.space.limits())
+    times = []
+    for tau in np.geomspace(0.005, 0.03, 5):
+        start = time.perf_counter()
+        core.shaped(float(tau), "tracking")
+        times.append(time.perf_counter() - start)
+    print(f"\nconvex core: {1e3 * statistics.median(times):.0f} ms per τ, {np.round(times, 3)}")
+    assert statistics.median(times) < 0.3
+
+
+def test_a_global_search_needs_a_hundred_times_as_many_candidates(load_boom):
+    study = load_boom("requirements.position_ratio=0.476", "uncertainty.points=3")
+    tune(study)
+    start = time.perf_counter()
+    found = tune(study)
+    ours_seconds = time.perf_counter() - start
+    task = Task.of(study)
+    judge = Judge(task)
+    before = judge.figures(Choice(task.start, study.study.feedforward))
+    search = Search(task, judge, before, found.gains.k_p_vel)
+    calls = []
+
+    def cost(point):
+        calls.append(1)
+        excesses = search._demands.excesses(search.space.choice(point).gains)
+        over = float(excesses.max(initial=0.0))
+        if over > 1e-6:
+            return PENALTY * (1 + min(over, PENALTY))
+        return search._evaluate(point).cost
+
+    limits = list(zip(search.space.low, search.space.high, strict=True))
+    start = time.perf_counter()
+    other = differential_evolution(
+        cost, limits, maxiter=120, popsize=15, seed=1, polish=False, tol=1e-9
+    )
+    seconds = time.perf_counter() - start
+    ours = found.figures.tracking / found.figures_before.tracking
+    print(
+        f"\ntuner {ours:.5f} in {found.evaluations} candidates, {ours_seconds:.2f} s; differential "
+        f"evolution {other.fun:.5f} in {len(calls)}, {seconds:.1f} s: "
+        f"1/{len(calls) / found.evaluations:.0f} of the candidates, "
+        f"1/{seconds / ours_seconds:.0f} of the time"
+    )
+    assert ours <= 1.01 * other.fun
+    assert found.evaluations * 100 <= len(calls) or ours_seconds * 20 <= seconds
+
+
+def test_tuned_feedforward_on_the_nonlinear_machine(root):
+    """Three seeds of 20 sets, beside the published gains."""
+    overrides = ['verification.oil_bulk_moduli=["1200 MPa"]']
+    study = load_study(root / "studies" / "boom-2dof" / "study.toml", overrides)
+    found = tune(study)
+    published = replace(found, gains=study.study.gains, feedforward=study.study.feedforward)
+    for name, one in (("published", published), ("tuned", found)):
+        result = verify(study, one.gains, one.feedforward)
+        for case in result.worst_per_mass():
+            index = case.mean("performance_index_ms")
+            loss = case.mean("energy_loss_j_per_mm")
+            print(f"\n{name}, {case.mass_kg:.0f} kg: mean index {index:.2f} ms, {loss:.1f} J/mm")
+            if name == "tuned":
+                assert index <= 6
