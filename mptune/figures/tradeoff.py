@@ -51,7 +51,7 @@ def compared_controllers(rows: tuple[Baseline, ...]) -> Figure:
             text = f"{value:.1f}" if np.isfinite(value) else "–"
             bars.annotate(text, (end, place), (3, 0), textcoords="offset points", va="center")
         bars.set_yticks(places, [LABELS[one.name] for one in rows])
-        bars.set(xlabel="Worst performance index [ms]", xlim=(0, 1.18 * max(drawn)), title="Index")
+        bars.set(xlabel="Worst performance index [ms]", xlim=(0, 1.25 * max(drawn)), title="Index")
         bars.set_ylim(len(rows) - 0.5, -0.5)
         bars.grid(visible=False, axis="y")
         bars.set_axisbelow(True)

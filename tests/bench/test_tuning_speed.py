@@ -1,6 +1,8 @@
 """The tuner's time and worth, beside a global search's; run with ``make bench``."""
 
 import statistics
+import subprocess
+import sys
 import time
 from dataclasses import replace
 
@@ -8,7 +10,6 @@ import numpy as np
 import pytest
 from scipy.optimize import differential_evolution
 
-from mptune.job.tune import tune_study
 from mptune.params.load import load_study
 from mptune.tune.core import Core
 from mptune.tune.objective import Judge
@@ -23,17 +24,28 @@ pytestmark = pytest.mark.bench
 PENALTY = 10.0
 
 
-def test_tuning_the_papers_study_takes_less_than_5_seconds(boom, tmp_path):
-    """Both loops and the whole family's verdict, kernels loaded."""
-    tune_study(boom, tmp_path / "first")
+TIMED = """
+import sys, time
+from pathlib import Path
+from mptune.params.load import load_study
+study = load_study(Path(sys.argv[1]))
+times = []
+for _ in range(2):
     start = time.perf_counter()
-    found = tune_study(boom, tmp_path / "second").tuned
-    seconds = time.perf_counter() - start
-    print(
-        f"\n{len(found.sweep.plants.mass)} plants: {seconds:.2f} s, {found.evaluations} candidates"
-    )
-    assert found.sweep.satisfied
-    assert seconds < 5
+    found = tune_study(study, Path(sys.argv[2])).tuned
+    times.append(time.perf_counter() - start)
+assert found.sweep.satisfied
+print(len(found.sweep.plants.mass), found.evaluations, *times)
+"""
+
+
+def test_tuning_the_papers_study_takes_less_than_5_seconds(study_file, tmp_path, monkeypatch):
+    """Both loops and the whole family's verdict, kernels loaded, on as many cores as there are."""
+    monkeypatch.delenv("NUMBA_NUM_THREADS")
+    line = [sys.executable, "-c", TIMED, str(study_file), str(tmp_path)]
+    out = subprocess.run(line, check=True, capture_output=True, text=True).stdout.split()
+    print(f"\n{out[0]} plants, {out[1]} candidates: {out[2]} s, then {out[3]} s")
+    assert float(out[3]) < 5
 
 
 def test_the_convex_core_takes_less_than_0_3_seconds_per_tau(boom):
@@ -63,11 +75,9 @@ def test_a_global_search_needs_a_hundred_times_as_many_candidates(load_boom):
 
     def cost(point):
         calls.append(1)
-        excesses = search._demands.excesses(search.space.choice(point).gains)
-        over = float(excesses.max(initial=0.0))
-        if over > 1e-6:
-            return PENALTY * (1 + min(over, PENALTY))
-        return search._evaluate(point).cost
+        values = search._evaluate(point)
+        over = float(values.excesses.max(initial=0.0))
+        return values.cost if over <= 1e-6 else PENALTY * (1 + min(over, PENALTY))
 
     limits = list(zip(search.space.low, search.space.high, strict=True))
     start = time.perf_counter()
