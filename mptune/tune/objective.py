@@ -77,7 +77,8 @@ class Judge:
         self._sampled = task.study.study.objective.tracking_loop == "sampled"
         self._tracking = self._loaded = task.corners()
         peaks = self.tracking_peaks(start).max(axis=(1, 2))
-        self._tracking = self._tracking[peaks >= _SLOW * peaks.max()]
+        if np.isfinite(peaks).all():
+            self._tracking = self._tracking[peaks >= _SLOW * peaks.max()]
 
     @property
     def plants(self) -> int:

@@ -15,7 +15,7 @@ from mptune.tune.result import Relief, Round
 from mptune.tune.space import Choice, Space, space_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Iterator
 
     from mptune.arrays import FloatArray
     from mptune.params.controller import Feedforward
@@ -28,8 +28,9 @@ _ROUNDS = 8
 _TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved
 _VELOCITY_SHARES = (1.0, 0.6)  # of the study's own velocity gain, where it is free
 _SCATTERED, _SCATTER = 8, 0.8  # random starts where it is free, and how far off, in logarithms
-_SMALLER = (1.0, 0.5, 0.25)  # of the position gains, tried where no convex start is known
+_SMALLER = (0.5, 0.25)  # of the position gains, tried where no convex start is known
 _REPEATS, _GAINED = 6, 1e-3  # of a polish, and what makes another one worth its while
+_SAME = 1e-4  # of the objective: two starts that end so near have found the same optimum
 _BINDING = 2e-3  # of a logarithm
 _MET = 1e-5  # an excess that counts as none
 _NO_INTEGRAL = 1e-6  # 1/s²: stands for a gain of 0, whose inverse is wanted
@@ -95,8 +96,7 @@ class Search:
     ) -> None:
         self._task, self._judge, self._before = task, judge, before
         self._space = space_of(task, largest_velocity_gain, structure, extra)
-        free = "k_p_vel" in self._space.names
-        own = task.start.k_p_vel if free else largest_velocity_gain
+        own = task.start.k_p_vel if self._crowded else largest_velocity_gain
         self._start = task.start._replace(k_p_vel=min(own, largest_velocity_gain))
         self._demands = Demands(task, self._start)
         self._weights = weights_of(task.study.study.objective)
@@ -140,11 +140,13 @@ class Search:
             reliefs.append(Relief(name, factor))
         return tuple(reliefs)
 
-    def _improve(self, starts: list[FloatArray], progress: Callable[[float], None]) -> Searched:
-        outcomes = []
+    def _improve(self, starts: Iterable[FloatArray], progress: Callable[[float], None]) -> Searched:
+        outcomes: list[Polished] = []
         for n, start in enumerate(starts):
-            outcomes.append(self._polish(self._kept_best(start)))
-            progress(0.7 * (n + 1) / len(starts))
+            outcomes.append(self._from(start))
+            progress(0.7 * (n + 1) / (n + 2))
+            if _agree(outcomes) and not self._crowded:
+                break
         best = self._settled(min(outcomes, key=_rank))
         if not best.values.feasible:
             best = self._nearest(best)
@@ -187,29 +189,35 @@ class Search:
         """Return the point nearest to every requirement, whatever the objective."""
         return self._polish(best.point, np.ones(len(best.values.excesses), np.bool_))
 
-    def _starts(self, first: Choice | None) -> list[FloatArray]:
-        """Return points to polish: the given or the study's own, and the convex core's."""
+    @property
+    def _crowded(self) -> bool:
+        """Whether so much is free that local optima abound."""
+        return "k_p_vel" in self._space.names
+
+    def _starts(self, first: Choice | None) -> Iterator[FloatArray]:
+        """Yield points to polish: the given or the study's own, and the convex core's."""
         own = first or Choice(self._start, self._matched_feedforward())
+        yield self._space.point(own)
         if first is not None:
-            return [self._space.point(own)]
+            return
         if self._space.structure != "eq22":
-            return [self._scaled(own, share) for share in _SMALLER]
+            for share in _SMALLER:
+                yield self._scaled(own, share)
+            return
         limits = self._space.limits()
         low, high = np.log(limits["tau"])
         kind = max(self._weights, key=lambda kind: self._weights[kind])
-        points = [self._space.point(own)]
         for gain in self._velocity_gains():
             start = self._start._replace(k_p_vel=gain)
             core = Core(self._task, start, self._task.corners(), limits)
             for share in _TAU_SHARES[: 1 if low == high else None]:
                 _, gains = core.shaped(float(np.exp(low + share * (high - low))), kind)
-                points.append(self._space.point(own._replace(gains=gains)))
-        return points + self._scattered(points[0])
+                yield self._space.point(own._replace(gains=gains))
+        if self._crowded:
+            yield from self._scattered(self._space.point(own))
 
     def _scattered(self, centre: FloatArray) -> list[FloatArray]:
-        """Return points about the first start, where so much is free that local optima abound."""
-        if "k_p_vel" not in self._space.names:
-            return []
+        """Return points about the first start."""
         from scipy.stats import qmc
 
         shares = qmc.Sobol(len(centre), rng=np.random.default_rng(0)).random(_SCATTERED)
@@ -218,7 +226,7 @@ class Search:
 
     def _velocity_gains(self) -> tuple[float, ...]:
         """Return the velocity gains of the convex starts: smaller ones too where it is free."""
-        if "k_p_vel" not in self._space.names:
+        if not self._crowded:
             return (self._start.k_p_vel,)
         return tuple(share * self._start.k_p_vel for share in _VELOCITY_SHARES)
 
@@ -241,12 +249,13 @@ class Search:
         smaller = gains._replace(k_p_pos=share * gains.k_p_pos, k_i_pos=share**2 * gains.k_i_pos)
         return self._space.point(choice._replace(gains=smaller))
 
-    def _kept_best(self, start: FloatArray) -> FloatArray:
-        """Return the start, or, where it breaks requirements, the point that keeps them best."""
-        first = self._evaluate(start)
-        if first.feasible:
-            return start
-        return self._polish(start, np.ones(len(first.excesses), np.bool_)).point
+    def _from(self, start: FloatArray) -> Polished:
+        """Return the outcome from a start, going by the nearest requirements where it must."""
+        found = self._polish(start)
+        if found.values.feasible:
+            return found
+        nearest = self._nearest(found)
+        return self._polish(nearest.point) if nearest.values.feasible else nearest
 
     def _settled(self, best: Polished) -> Polished:
         """Return the outcome of polishing until polishing again brings nothing."""
@@ -333,6 +342,15 @@ class Search:
             if high - value < 1e-4:
                 at.append(f"{name} ≤")
         return tuple(dict.fromkeys(at))
+
+
+def _agree(outcomes: list[Polished]) -> bool:
+    """Return whether the best two outcomes are equally good: more starts would find no better."""
+    if len(outcomes) < 2:
+        return False
+    first, second = sorted(outcomes, key=_rank)[:2]
+    near = second.values.cost - first.values.cost <= _SAME * abs(first.values.cost)
+    return first.values.feasible and second.values.feasible and near
 
 
 def _rank(outcome: Polished) -> tuple[float, float]:

@@ -68,7 +68,7 @@ def test_a_global_search_needs_a_hundred_times_as_many_candidates(load_boom):
     found = tune(study)
     ours_seconds = time.perf_counter() - start
     task = Task.of(study)
-    judge = Judge(task)
+    judge = Judge(task, Choice(task.start, task.study.study.feedforward))
     before = judge.figures(Choice(task.start, study.study.feedforward))
     search = Search(task, judge, before, found.gains.k_p_vel)
     calls = []

@@ -182,8 +182,9 @@ def test_every_requirement_is_kept_and_something_binds(load_boom, name):
 def test_no_other_start_ends_better(load_boom, tuned_boom):
     """Polished from points spread over the space; the global search stands with the benchmarks."""
     task = Task.of(load_boom(corners=True))
-    judge = Judge(task)
-    before = judge.figures(Choice(task.start, task.study.study.feedforward))
+    own = Choice(task.start, task.study.study.feedforward)
+    judge = Judge(task, own)
+    before = judge.figures(own)
     search = Search(task, judge, before, tuned_boom.gains.k_p_vel)
     ours = tuned_boom.figures.tracking / tuned_boom.figures_before.tracking
     low, high = search.space.low, search.space.high
