@@ -41,7 +41,7 @@ def four_panels(result: SweepResult) -> Figure:
     Measured members stand in the inequalities; the steps are those of the box's plants.
     """
     with style():
-        figure = new_figure(6.2)
+        figure = new_figure(5.5)
         axes = figure.subplots(2, 2)
         left = _left_curves(result)
         for row, condition in enumerate(result.conditions):

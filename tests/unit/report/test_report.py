@@ -7,8 +7,11 @@ import pypdf
 import pytest
 
 from mptune.job.run import run
-from mptune.report.content import Results
-from mptune.report.pdf import write_report
+from mptune.job.report import results_of
+from mptune.report.content import document
+from mptune.report.pdf import write_pdf
+from mptune.report.web import write_html
+from mptune.robust.encirclements import encirclements
 from mptune.robust.chain import factor_text
 from mptune.units import shown
 
@@ -30,20 +33,17 @@ def text_of(path):
     return "\n".join(page.extract_text() for page in reader.pages)
 
 
-def results_of(job, **changes):
+def changed(job, tmp_path, **changes):
     """Return what the report of a job shows, with changes."""
-    values = {
-        "study": job.study,
-        "sweep": job.tuned.sweep,
-        "published": job.published,
-        "tuned": job.tuned,
-        "moves": job.moves,
-        "moves_before": job.moves_before,
-        "verified": job.verified,
-        "chain": job.chain,
-        "satisfied": job.satisfied,
-    }
-    return Results(**{**values, **changes})
+    return replace(results_of(tmp_path, job, encirclements(job.tuned.sweep)), **changes)
+
+
+def written(path, results):
+    """Return the text of both reports, written without figures."""
+    words = document(results, ())
+    return text_of(write_pdf(path / "one.pdf", words, {})), write_html(
+        path / "one.html", words, {}
+    ).read_text(encoding="utf-8")
 
 
 def pdf_of(job):
