@@ -29,7 +29,7 @@ _TITLES = {VELOCITY: "Velocity loop", FORCE: "Loop at $F_{ref}$"}
 def nyquist_plots(result: SweepResult, counts: tuple[Encirclements, ...]) -> Figure:
     """Draw both loops: nominal, worst, and the corners of the family; counts in the titles."""
     with style():
-        figure = new_figure(4.1)
+        figure = new_figure(3.8)
         axes = figure.subplots(1, 2)
         for one, loop in zip(axes, (VELOCITY, FORCE), strict=True):
             _draw(one, result, loop)

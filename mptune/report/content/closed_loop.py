@@ -69,12 +69,13 @@ def linear_check(results: Results) -> dict[str, Any] | None:
             "at the start position."
         ),
         figure("moves", "The movement set, for each mass the machine with the largest index."),
-        table(columns, rows),
+        table(columns, rows, keep=True),
         note(
             "Performance index: peak position error over peak velocity. Predicted, without "
             "fitting. Load force carried by the integrator from the start; dead zone and stop "
             "logic left out."
         ),
+        new_page=True,
     )
 
 

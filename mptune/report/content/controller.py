@@ -78,4 +78,5 @@ def controller(results: Results) -> dict[str, Any]:
             "filter; the velocity is Eq. 23 of the filtered position:"
         ),
         equations("eq23"),
+        new_page=True,
     )
