@@ -67,7 +67,7 @@ def _draw(axes: Axes, result: SweepResult, loop: int) -> None:
     axes.plot(-1 + 0.5 * np.cos(turn), 0.5 * np.sin(turn), label="$|S|$ = 2", **circle)
     axes.plot(-1, 0, marker="+", color="black", markersize=8, linestyle="none", label="−1")
     left, right, low, high = _WINDOW
-    axes.set(xlim=(left, right), ylim=(low, high), aspect="equal")
+    axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", adjustable="datalim")
     axes.set(xlabel="Real part [–]", ylabel="Imaginary part [–]")
 
 
