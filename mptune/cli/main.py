@@ -15,6 +15,7 @@ from typing import Annotated
 import typer
 
 from mptune.cli.campaign import campaign
+from mptune.cli.compare import compare
 from mptune.cli.export import export
 from mptune.cli.identify import identify
 from mptune.cli.options import (
@@ -29,6 +30,7 @@ from mptune.cli.options import (
     UncertaintyOption,
     finish,
 )
+from mptune.cli.run import run
 from mptune.cli.tune import tune
 from mptune.cli.weights import weights
 
@@ -54,32 +56,7 @@ def _version(
         raise typer.Exit
 
 
-@app.command()
-def run(
-    study: StudyArgument,
-    override: SetOption = None,
-    uncertainty: UncertaintyOption = "",
-    out: OutOption = OUT,
-    json: JsonOption = False,
-    quiet: QuietOption = False,
-) -> None:
-    """Do the whole job, from the study file to gains and report."""
-    from mptune.cli import show, show_chain, show_tune
-    from mptune.job.run import run as run_job
-    from mptune.params.load import load_study
-
-    loaded = load_study(study, override or (), uncertainty)
-    with show.progress(quiet=quiet) as report:
-        result = run_job(loaded, out, report)
-    if json:
-        show.as_json(result.json())
-    else:
-        show_tune.tuned(result.tuned)
-        show.job(result)
-        show_chain.chain(result.chain)
-        show.files(result.files)
-        show.outcome(met=result.satisfied)
-    finish(met=result.satisfied)
+app.command()(run)
 
 
 @app.command()
@@ -143,6 +120,7 @@ app.command()(identify)
 app.command()(weights)
 app.command()(campaign)
 app.command()(export)
+app.command()(compare)
 
 
 @app.command()

@@ -10,6 +10,15 @@ import typer
 _NOT_MET = 1
 
 StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY", help="The study's TOML file.")]
+SourcesArgument = Annotated[
+    list[Path], typer.Argument(metavar="A B …", help="Gains files and studies.")
+]
+StudyOption = Annotated[
+    Path | None,
+    typer.Option(
+        "--study", metavar="STUDY", help="Judge all on this study's model; else each on its own."
+    ),
+]
 SetOption = Annotated[
     list[str] | None,
     typer.Option("--set", metavar="KEY=VALUE", help="Override a key of the study; repeatable."),
@@ -32,6 +41,8 @@ SchedulerOption = Annotated[
 OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder for results.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
+
+VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="All the details.")]
 
 DataOption = Annotated[
     list[Path] | None,

@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
     from pathlib import Path
 
-    from mptune.job.run import JobResult
     from mptune.params.section import Section
     from mptune.robust.result import Check, SweepResult
     from mptune.verify.result import VerifyResult
@@ -158,36 +157,6 @@ def gains(
         values = (shown(getattr(one, key), unit) for one in (found, before))
         table.add_row(key, symbol, *values)
     console.print(table)
-
-
-def job(result: JobResult) -> None:
-    """Print what the whole job found beyond its tuning."""
-    table = new_table("Linear check: sampled loop with its filters")
-    for heading in ("mass", "valve delay", "index, study's own gains", "index, tuned"):
-        table.add_column(heading, justify="right")
-    for case, before in zip(result.moves, result.moves_before, strict=True):
-        table.add_row(
-            f"{case.mass_kg / 1e3:g} t",
-            f"{1e3 * case.valve_delay_s:g} ms",
-            *(
-                f"{one.performance_index_ms:.1f} ms"
-                if one.stable
-                else verdict("unstable", good=False)
-                for one in (before, case)
-            ),
-        )
-    console.print(table)
-    if result.verified is None:
-        console.print("The nonlinear machine was not run: the controller refuses these margins.")
-    else:
-        verified(result.verified)
-
-
-def outcome(*, met: bool) -> None:
-    """Print the last line of a whole job."""
-    console.print(
-        verdict("Every requirement is met." if met else "Some requirement is not met.", good=met)
-    )
 
 
 def verified(result: VerifyResult) -> None:

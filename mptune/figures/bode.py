@@ -26,7 +26,7 @@ _PHASE_FLOOR = -540.0  # degrees; below it the gain is far too small to matter
 def bode_plots(result: SweepResult) -> Figure:
     """Draw magnitude and phase of the velocity loop (left) and the position loop (right)."""
     with style():
-        figure = new_figure(5.4)
+        figure = new_figure(4.7)
         axes = figure.subplots(2, 2, sharex=True)
         for column, which in enumerate((VELOCITY, POSITION)):
             _draw(axes[0, column], axes[1, column], result, which)

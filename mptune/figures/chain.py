@@ -34,7 +34,7 @@ def gain_chain(links: tuple[Link, ...]) -> Figure:
         for row, link in enumerate(links):
             _bar(axes, row, link, high)
         axes.axvline(1.0, **LIMIT)
-        axes.set(xscale="log", xlim=(low, high), xlabel="Factor on the gain at F_ref [–]")
+        axes.set(xscale="log", xlim=(low, high), xlabel="Factor on the gain at $F_{ref}$ [–]")
         ticks = [tick for tick in _TICKS if low < tick < high]
         axes.set_xticks(ticks, [f"{tick:g}" for tick in ticks])
         axes.set_xticks([], minor=True)

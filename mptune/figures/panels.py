@@ -41,7 +41,7 @@ def four_panels(result: SweepResult) -> Figure:
     Measured members stand in the inequalities; the steps are those of the box's plants.
     """
     with style():
-        figure = new_figure(6.2)
+        figure = new_figure(5.1)
         axes = figure.subplots(2, 2)
         left = _left_curves(result)
         for row, condition in enumerate(result.conditions):
@@ -80,16 +80,18 @@ def _draw_sides(
     curve = np.where(curves[row, worst] > 0, curves[row, worst], np.nan)
     axes.plot(omega, curve, label="worst plant", **WORST)
     axes.plot(grid, condition.right, label="right-hand side", **LIMIT)
-    axes.axvline(condition.at.frequency_rad_s, color="#d55e00", linewidth=0.6)
     axes.set(xscale="log", yscale="log", xlabel="Frequency [rad/s]", ylabel="Magnitude [–]")
-    axes.set_title(
-        f"{EQUATIONS[condition.name]}: worst ratio {condition.worst_ratio:.3f} "
-        f"at {condition.at.frequency_rad_s:.3g} rad/s",
-        loc="left",
-    )
+    peak = condition.at.frequency_rad_s
+    if condition.low_frequency_limit:
+        place, first = "as ω → 0", float(grid[-1]) / 1e5
+    else:
+        place, first = f"at {peak:.3g} rad/s", peak / 300
+        axes.axvline(peak, color=WORST["color"], linewidth=0.6)
+    title = f"{EQUATIONS[condition.name]}: worst ratio {condition.worst_ratio:.3f} {place}"
+    axes.set_title(title, loc="left")
     top = 3 * max(float(curves[row].max()), 1.0)
     axes.set_ylim(max(float(condition.left[0]) / 5, 0.02), max(top, 20))
-    axes.set_xlim(max(grid[0], condition.at.frequency_rad_s / 300), grid[-1])
+    axes.set_xlim(max(grid[0], first), grid[-1])
 
 
 def _draw_steps(axes: Axes, result: SweepResult, condition: Condition) -> None:

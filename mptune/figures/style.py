@@ -82,11 +82,12 @@ def legend_below(figure: Figure, *axes: Axes) -> None:
     for one in axes:
         for handle, label in zip(*one.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
+    rows = -(-len(entries) // 5)
     figure.legend(
         list(entries.values()),
         list(entries),
         loc="outside lower center",
-        ncols=min(len(entries), 5),
+        ncols=-(-len(entries) // rows),
         handlelength=3,
     )
 

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.files import write_whole_with
-from mptune.identify.result import FitStatus
+from mptune.identify.result import FitStatus, Panel
 from mptune.params.gains import version
 
 if TYPE_CHECKING:
@@ -81,3 +81,31 @@ def write_identification(path: Path, result: IdentifyResult) -> Path:
     """
     dataset = to_dataset(result)
     return write_whole_with(path, lambda beside: dataset.to_netcdf(beside, engine="h5netcdf"))
+
+
+def read_panels(path: Path, study_hash: str) -> tuple[Panel, ...]:
+    """Return the panels of a stored identification of one model; none where there is no such."""
+    import xarray as xr
+
+    try:
+        dataset = xr.load_dataset(path, engine="h5netcdf")
+    except (OSError, ValueError):
+        return ()
+    if dataset.attrs.get("study_hash") != study_hash:
+        return ()
+    return tuple(_panel(dataset.isel(panel=n)) for n in range(dataset.sizes["panel"]))
+
+
+def _panel(one: xr.Dataset) -> Panel:
+    alone = {field: float(one[name]) for name, (field, _) in _PANEL.items() if field != "skipped"}
+    return Panel(
+        **alone,
+        skipped=int(one["skipped_points"]),
+        omega=one["frequency"].values,
+        velocity=one["velocity"].values,
+        pressure_a=one["pressure_a"].values,
+        response=one["response_real"].values + 1j * one["response_imaginary"].values,
+        quality=one["quality"].values,
+        status=one["status"].values.astype(np.int64),
+        theory=one["theory_real"].values + 1j * one["theory_imaginary"].values,
+    )

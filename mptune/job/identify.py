@@ -38,7 +38,12 @@ def identify_study(
     files = [write_identification(folder / "identification.nc", result)]
     for delay in study.study.identification.valve_delays:
         panels = tuple(panel for panel in result.panels if panel.valve_delay_s == delay)
-        name = f"identification-{1e3 * delay:g}ms" if delay else "identification"
-        files.append(write_whole(folder / f"{name}.svg", to_svg(bode_panels(panels))))
+        svg = to_svg(bode_panels(panels))
+        files.append(write_whole(folder / f"{figure_name(delay)}.svg", svg))
     progress("figures", 1.0)
     return result, tuple(files)
+
+
+def figure_name(valve_delay: float) -> str:
+    """Return the name of the figure of one valve delay [s]."""
+    return f"identification-{1e3 * valve_delay:g}ms" if valve_delay else "identification"

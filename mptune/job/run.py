@@ -3,26 +3,33 @@
 ::
 
     <out>/<study>.pdf           the report
+    <out>/<study>.html          the same for the browser
     <out>/<study>.png           its four panels, as a picture
     <out>/<study>/sweep.nc      both inequalities and margins, of the final gains
     <out>/<study>/gains.toml    the controller's gains, with verdicts
     <out>/<study>/traces.nc     the nonlinear machine's last movement set, per mass
     <out>/<study>/*.svg         the figures, the chain of gain factors among them
+
+With the comparison asked for, ``comparison.json`` and ``controllers.svg`` as well; the report shows
+whatever other commands have left in the folder for the same model.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, Any
 
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
-from mptune.job.verify import figure_name
+from mptune.job.report import draw, report
+from mptune.job.tune import compared_files
 from mptune.params.gains import read_gains, write_gains
 from mptune.robust.chain import chain
+from mptune.robust.encirclements import encirclements
 from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep
 from mptune.sim.sampled import linear_moves
+from mptune.tune.baselines import Baseline, baselines
 from mptune.tune.tuner import tune
 from mptune.verify.gain_limit import machine_gain_limit
 from mptune.verify.store import write_traces
@@ -32,6 +39,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from pathlib import Path
 
+    from mptune.params.controller import Feedforward
     from mptune.params.study import ResolvedStudy
     from mptune.robust.chain import Link
     from mptune.robust.result import SweepResult
@@ -39,7 +47,7 @@ if TYPE_CHECKING:
     from mptune.tune.result import TuneResult
     from mptune.verify.result import VerifyResult
 
-STAGES = ("sweep", "tune", "linear check", "verify", "chain", "figures", "report")
+STAGES = ("sweep", "tune", "linear check", "verify", "chain", "compare", "figures", "report")
 
 
 @dataclass(frozen=True)
@@ -60,6 +68,8 @@ class JobResult:
     chain
         How far the gain at F_ref may rise with the tuned gains; the nonlinear machine's link comes
         last, where it was run.
+    compared
+        P, PI and PID tuned alike; empty where not asked for.
     files
         What was written.
     """
@@ -71,7 +81,8 @@ class JobResult:
     moves_before: tuple[LinearMove, ...]
     verified: VerifyResult | None
     chain: tuple[Link, ...]
-    files: tuple[Path, ...]
+    compared: tuple[Baseline, ...] = ()
+    files: tuple[Path, ...] = ()
 
     @property
     def satisfied(self) -> bool:
@@ -81,7 +92,7 @@ class JobResult:
 
     def json(self) -> dict[str, Any]:
         """Return the result in SI, units in the keys."""
-        return {
+        values = {
             "sweep": self.published.json(),
             "tune": {**self.tuned.json(), "sweep": self.tuned.sweep.json()},
             "linear_check": [moves_json(case) for case in self.moves],
@@ -90,6 +101,9 @@ class JobResult:
             "satisfied": self.satisfied,
             "files": [str(path) for path in self.files],
         }
+        if self.compared:
+            values["compared"] = [one.json() for one in self.compared]
+        return values
 
 
 def moves_json(case: LinearMove) -> dict[str, Any]:
@@ -104,7 +118,11 @@ def moves_json(case: LinearMove) -> dict[str, Any]:
 
 
 def run(
-    study: ResolvedStudy, out: Path, progress: Callable[[str, float], None] = lambda *_: None
+    study: ResolvedStudy,
+    out: Path,
+    progress: Callable[[str, float], None] = lambda *_: None,
+    *,
+    compare: bool = False,
 ) -> JobResult:
     """Run the whole job: sweep, tune, export, verify on the nonlinear machine, report.
 
@@ -116,6 +134,8 @@ def run(
         Folder for the results; created where missing.
     progress
         Called with a stage of ``STAGES`` and the share of it that is done.
+    compare
+        Whether to tune P, PI and PID as well, which takes three to five times the tuning's time.
 
     Raises
     ------
@@ -145,69 +165,35 @@ def run(
         )
         write_gains(exported, gains_file(tuned.sweep, tuned.feedforward, moves, verified))
         files.append(write_traces(folder / "traces.nc", verified))
-    links = gain_factors(tuned.sweep, verified, lambda share: progress("chain", share))
+    links = gain_factors(
+        tuned.sweep, tuned.feedforward, verified, lambda share: progress("chain", share)
+    )
+    compared: tuple[Baseline, ...] = ()
+    if compare:
+        progress("compare", 0.0)
+        compared = baselines(study, tuned, lambda share: progress("compare", share))
+        files += compared_files(folder, study, compared)
+    result = JobResult(study, published, tuned, moves, moves_before, verified, links, compared)
     progress("figures", 0.0)
-    figures, picture = draw(tuned.sweep, moves, verified, links)
+    counts = encirclements(tuned.sweep)
+    figures, picture = draw(result, counts)
     files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
-    result = JobResult(study, published, tuned, moves, moves_before, verified, links, ())
-    progress("report", 0.0)
     files.append(write_whole(out / f"{study.name}.png", picture))
-    files.append(_report(out / f"{study.name}.pdf", result, figures))
+    progress("report", 0.0)
+    files += report(out, result, counts, figures)
     progress("report", 1.0)
-    return JobResult(study, published, tuned, moves, moves_before, verified, links, tuple(files))
+    return replace(result, files=tuple(files))
 
 
 def gain_factors(
-    swept: SweepResult, verified: VerifyResult | None, progress: Callable[[float], None]
+    swept: SweepResult,
+    feedforward: Feedforward,
+    verified: VerifyResult | None,
+    progress: Callable[[float], None],
 ) -> tuple[Link, ...]:
     """Return the chain of the swept gains, with the nonlinear machine where it was verified."""
     progress(0.0)
     links = chain(swept)
     if verified is None:
         return links
-    feedforward = swept.study.study.feedforward
     return (*links, machine_gain_limit(swept.study, swept.gains, feedforward, progress))
-
-
-def draw(
-    swept: SweepResult,
-    moves: tuple[LinearMove, ...],
-    verified: VerifyResult | None,
-    links: tuple[Link, ...],
-) -> tuple[dict[str, bytes], bytes]:
-    """Return the figures of a run as SVG, by name, and the four panels as PNG."""
-    from mptune.figures.bode import bode_plots
-    from mptune.figures.chain import gain_chain
-    from mptune.figures.machine import machine_traces
-    from mptune.figures.moves import move_traces
-    from mptune.figures.panels import four_panels
-    from mptune.figures.style import to_png, to_svg
-
-    panels = four_panels(swept)
-    figures = {
-        "panels": to_svg(panels),
-        "bode": to_svg(bode_plots(swept)),
-        "chain": to_svg(gain_chain(links)),
-        "moves": to_svg(move_traces(moves)),
-    }
-    for case in verified.worst_per_mass() if verified else ():
-        figures[figure_name(case.mass_kg)] = to_svg(machine_traces(swept.study, case))
-    return figures, to_png(panels)
-
-
-def _report(path: Path, result: JobResult, figures: dict[str, bytes]) -> Path:
-    from mptune.report.content import Results
-    from mptune.report.pdf import write_report
-
-    results = Results(
-        study=result.study,
-        sweep=result.tuned.sweep,
-        published=result.published,
-        tuned=result.tuned,
-        moves=result.moves,
-        moves_before=result.moves_before,
-        verified=result.verified,
-        chain=result.chain,
-        satisfied=result.satisfied,
-    )
-    return write_report(path, results, figures)

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
+from mptune.job.kept import keep
 from mptune.params.gains import write_gains
 from mptune.sim.sampled import linear_moves
 from mptune.tune.baselines import Baseline, baselines
@@ -84,13 +85,23 @@ def tune_study(
     if compare:
         progress("compare", 0.0)
         compared = baselines(study, tuned, lambda share: progress("compare", share))
-        files.append(_drawn(folder / "controllers.svg", compared))
+        files += compared_files(folder, study, compared)
     found = None
     if points:
         progress("front", 0.0)
         found = front(study, points, lambda share: progress("front", share))
         files.append(_drawn(folder / "front.svg", found))
+        files.append(keep(folder, "front", study, found.json()))
     return Tuning(tuned, compared, found, tuple(files))
+
+
+def compared_files(
+    folder: Path, study: ResolvedStudy, compared: tuple[Baseline, ...]
+) -> tuple[Path, Path]:
+    """Draw and store compared controllers; a report of the same model takes them up."""
+    rows = [one.json() for one in compared]
+    drawn = _drawn(folder / "controllers.svg", compared)
+    return drawn, keep(folder, "comparison", study, rows)
 
 
 def _drawn(path: Path, what: tuple[Baseline, ...] | Front) -> Path:

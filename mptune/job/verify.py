@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from mptune.files import make_folder, write_whole
 from mptune.params.gains import accepted_gains
+from mptune.report.content.closed_loop import machine_figure
 from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
 
@@ -48,10 +49,5 @@ def verify_study(
     files = [write_traces(folder / "traces.nc", verified)]
     for case in verified.worst_per_mass():
         svg = to_svg(machine_traces(study, case))
-        files.append(write_whole(folder / f"{figure_name(case.mass_kg)}.svg", svg))
+        files.append(write_whole(folder / f"{machine_figure(case.mass_kg)}.svg", svg))
     return verified, tuple(files)
-
-
-def figure_name(mass: float) -> str:
-    """Return the name of the figure of one mass's traces."""
-    return f"machine-{mass / 1e3:g}t"

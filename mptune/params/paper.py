@@ -8,6 +8,7 @@ instead; nothing of that is hidden in a tolerance.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 
 from mptune.params.controller import Gains
@@ -34,6 +35,24 @@ MEASURED_FORCE_ERROR = 50.8
 
 MEASURED_FINAL_ERROR = 0.7
 """Largest steady-state position error [mm], §7.2."""
+
+
+@dataclass(frozen=True)
+class OtherSystem:
+    """A system that §7 compares with: loss [J/mm], squared force error [kN² s], NaN if not told."""
+
+    name: str
+    loss: float
+    force_error: float
+    where: str
+
+
+OTHER_SYSTEMS = (
+    OtherSystem("electric load sensing, mobile proportional valve", 45.0, math.nan, "§7.1"),
+    OtherSystem("electric load sensing, digital hydraulic valves", 29.0, math.nan, "§7.1, [19]"),
+    OtherSystem("secondary controlled multi-chamber cylinder", 19.0, math.nan, "§7.1, [8]"),
+    OtherSystem("this machine, steady-state controller", 15.9, 31.0, "§7.3, [16]"),
+)
 
 
 @dataclass(frozen=True)

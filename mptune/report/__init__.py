@@ -1,1 +1,1 @@
-"""The PDF report."""
+"""The report, as PDF and for the browser."""

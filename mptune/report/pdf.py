@@ -10,50 +10,66 @@ import json
 import tempfile
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, Literal
 
 from mptune.errors import OutputError
 from mptune.files import write_whole
-from mptune.report.content import content
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mptune.report.content import Results
-
-_TEMPLATE = "report.typ"
+_TEMPLATE, _EQUATIONS = "report.typ", "equations.typ"
 
 
-def write_report(path: Path, results: Results, figures: Mapping[str, bytes]) -> Path:
+def write_pdf(path: Path, document: Mapping[str, Any], figures: Mapping[str, bytes]) -> Path:
     """Write the report, whole or not at all.
 
     Parameters
     ----------
     path
         The PDF file.
-    results
-        What the run has produced.
+    document
+        What it says, see ``mptune.report.content``.
     figures
-        SVG bytes by name; a section whose figure is missing is left out.
+        SVG bytes by name.
 
     Raises
     ------
     OutputError
         If the file cannot be written, or the template does not compile.
     """
+    files = {f"{name}.svg": svg for name, svg in figures.items()}
+    files["content.json"] = json.dumps(document).encode()
+    (pdf,) = compiled(path, (_TEMPLATE, _EQUATIONS), files, "pdf")
+    return write_whole(path, pdf)
+
+
+def compiled(
+    path: Path,
+    templates: tuple[str, ...],
+    files: Mapping[str, bytes],
+    kind: Literal["pdf", "svg"],
+) -> list[bytes]:
+    """Return what Typst makes of the first template: one PDF, or one SVG per page.
+
+    Raises
+    ------
+    OutputError
+        If it does not compile; ``path`` is what was to be written.
+    """
     import typst
 
-    values = content(results)
-    values["figures"] = sorted(figures)
     with tempfile.TemporaryDirectory(prefix="mptune-") as folder:
         root = Path(folder)
-        template = resources.files("mptune.report").joinpath(_TEMPLATE).read_bytes()
-        (root / _TEMPLATE).write_bytes(template)
-        (root / "content.json").write_text(json.dumps(values), encoding="utf-8")
-        for name, svg in figures.items():
-            (root / f"{name}.svg").write_bytes(svg)
+        for name in templates:
+            content = resources.files("mptune.report").joinpath(name).read_bytes()
+            (root / name).write_bytes(content)
+        for name, content in files.items():
+            (root / name).write_bytes(content)
+        made = root / ("page-{0p}.svg" if kind == "svg" else "page.pdf")
+        first = root / templates[0]
         try:
-            pdf = typst.compile(root / _TEMPLATE, root=root, ignore_system_fonts=True)
+            typst.compile(first, output=made, root=root, ignore_system_fonts=True, format=kind)
         except typst.TypstError as error:
             raise OutputError(f"{path}: the report did not compile: {error.message}") from error
-    return write_whole(path, pdf)
+        return [page.read_bytes() for page in sorted(root.glob(f"page*.{kind}"))]

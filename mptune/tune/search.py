@@ -7,28 +7,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.tune.core import Core
 from mptune.tune.demands import Demands
+from mptune.tune.first import first_points
 from mptune.tune.objective import Judge, weights_of
 from mptune.tune.polish import Polished, Values, polish
 from mptune.tune.result import Relief, Round
 from mptune.tune.space import Choice, Space, space_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Callable, Iterable
 
     from mptune.arrays import FloatArray
-    from mptune.params.controller import Feedforward
     from mptune.params.section import Range
     from mptune.tune.demands import Found
     from mptune.tune.objective import Figures
     from mptune.tune.task import Task
 
 _ROUNDS = 8
-_TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved
-_VELOCITY_SHARES = (1.0, 0.6)  # of the study's own velocity gain, where it is free
-_SCATTERED, _SCATTER = 8, 0.8  # random starts where it is free, and how far off, in logarithms
-_SMALLER = (0.5, 0.25)  # of the position gains, tried where no convex start is known
 _REPEATS, _GAINED = 6, 1e-3  # of a polish, and what makes another one worth its while
 _SAME = 1e-4  # of the objective: two starts that end so near have found the same optimum
 _BINDING = 2e-3  # of a logarithm
@@ -96,7 +91,7 @@ class Search:
     ) -> None:
         self._task, self._judge, self._before = task, judge, before
         self._space = space_of(task, largest_velocity_gain, structure, extra)
-        own = task.start.k_p_vel if self._crowded else largest_velocity_gain
+        own = task.start.k_p_vel if self._space.crowded else largest_velocity_gain
         self._start = task.start._replace(k_p_vel=min(own, largest_velocity_gain))
         self._demands = Demands(task, self._start)
         self._weights = weights_of(task.study.study.objective)
@@ -145,7 +140,7 @@ class Search:
         for n, start in enumerate(starts):
             outcomes.append(self._from(start))
             progress(0.7 * (n + 1) / (n + 2))
-            if _agree(outcomes) and not self._crowded:
+            if _agree(outcomes) and not self._space.crowded:
                 break
         best = self._settled(min(outcomes, key=_rank))
         if not best.values.feasible:
@@ -189,65 +184,11 @@ class Search:
         """Return the point nearest to every requirement, whatever the objective."""
         return self._polish(best.point, np.ones(len(best.values.excesses), np.bool_))
 
-    @property
-    def _crowded(self) -> bool:
-        """Whether so much is free that local optima abound."""
-        return "k_p_vel" in self._space.names
-
-    def _starts(self, first: Choice | None) -> Iterator[FloatArray]:
-        """Yield points to polish: the given or the study's own, and the convex core's."""
-        own = first or Choice(self._start, self._matched_feedforward())
-        yield self._space.point(own)
+    def _starts(self, first: Choice | None) -> Iterable[FloatArray]:
         if first is not None:
-            return
-        if self._space.structure != "eq22":
-            for share in _SMALLER:
-                yield self._scaled(own, share)
-            return
-        limits = self._space.limits()
-        low, high = np.log(limits["tau"])
+            return [self._space.point(first)]
         kind = max(self._weights, key=lambda kind: self._weights[kind])
-        for gain in self._velocity_gains():
-            start = self._start._replace(k_p_vel=gain)
-            core = Core(self._task, start, self._task.corners(), limits)
-            for share in _TAU_SHARES[: 1 if low == high else None]:
-                _, gains = core.shaped(float(np.exp(low + share * (high - low))), kind)
-                yield self._space.point(own._replace(gains=gains))
-        if self._crowded:
-            yield from self._scattered(self._space.point(own))
-
-    def _scattered(self, centre: FloatArray) -> list[FloatArray]:
-        """Return points about the first start."""
-        from scipy.stats import qmc
-
-        shares = qmc.Sobol(len(centre), rng=np.random.default_rng(0)).random(_SCATTERED)
-        points = centre + _SCATTER * (2 * shares - 1)
-        return list(np.clip(points, self._space.low, self._space.high))
-
-    def _velocity_gains(self) -> tuple[float, ...]:
-        """Return the velocity gains of the convex starts: smaller ones too where it is free."""
-        if not self._crowded:
-            return (self._start.k_p_vel,)
-        return tuple(share * self._start.k_p_vel for share in _VELOCITY_SHARES)
-
-    def _matched_feedforward(self) -> Feedforward:
-        """Return the study's feed-forward, what is free of it matched to the machine.
-
-        The reference is as late as the measured position, and the mass in the middle.
-        """
-        task = self._task
-        matched = {
-            "acceleration_mass": float(np.sqrt(task.plants.mass.min() * task.plants.mass.max())),
-            "reference_lag": task.filters.filter_time,
-            "velocity_reference_lag": 0.0,
-        }
-        free = {name: matched[name] for name in self._space.names if name in matched}
-        return task.study.study.feedforward.model_copy(update=free)
-
-    def _scaled(self, choice: Choice, share: float) -> FloatArray:
-        gains = choice.gains
-        smaller = gains._replace(k_p_pos=share * gains.k_p_pos, k_i_pos=share**2 * gains.k_i_pos)
-        return self._space.point(choice._replace(gains=smaller))
+        return first_points(self._task, self._space, self._start, kind)
 
     def _from(self, start: FloatArray) -> Polished:
         """Return the outcome from a start, going by the nearest requirements where it must."""

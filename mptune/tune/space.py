@@ -70,6 +70,11 @@ class Space:
     high: FloatArray
     fixed: Choice
 
+    @property
+    def crowded(self) -> bool:
+        """Whether so much is free, the velocity gain too, that local optima abound."""
+        return "k_p_vel" in self.names
+
     def choice(self, point: FloatArray) -> Choice:
         """Return the candidate at a point ``(K,)`` of the search's scales."""
         inside = np.clip(point, self.low, self.high)

@@ -113,10 +113,13 @@ def test_run_does_the_whole_job(cli, tmp_path):
     written = {path.name for path in (tmp_path / "out").rglob("*") if path.is_file()}
     assert written == {
         "boom.pdf", "boom.png", "sweep.nc", "gains.toml", "panels.svg", "bode.svg", "moves.svg",
-        "traces.nc", "machine-24.5t.svg", "machine-49t.svg", "chain.svg",
+        "traces.nc", "machine-24.5t.svg", "machine-49t.svg", "chain.svg", "boom.html",
+        "nyquist.svg", "sensitivity.svg", "load.svg",
     }  # fmt: skip
-    assert "nonlinear machine" in out[out.index("How far the gain at F_ref may rise") :]
-    assert "Every requirement is met." in out
+    assert "nonlinear machine" in out[out.index("Gain at F_ref may rise by") :]
+    assert out.strip().endswith("Every requirement is met.")
+    assert len(out.splitlines()) <= 40
+    assert "\x1b" not in out  # no terminal: no colour
 
 
 def test_verify_json_holds_the_agreed_keys(cli):

@@ -2,14 +2,22 @@
 
 import io
 import json
+import re
+from dataclasses import replace
+from html.parser import HTMLParser
 
 import pypdf
 import pytest
 
+from mptune.job.report import results_of
 from mptune.job.run import run
-from mptune.report.content import Results
-from mptune.report.pdf import write_report
+from mptune.params.pack import pack_gains
+from mptune.report.content import document
+from mptune.report.pdf import write_pdf
+from mptune.report.web import write_html
 from mptune.robust.chain import factor_text
+from mptune.robust.encirclements import encirclements
+from mptune.signals.tustin import discretise
 from mptune.units import shown
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
@@ -30,28 +38,29 @@ def text_of(path):
     return "\n".join(page.extract_text() for page in reader.pages)
 
 
-def results_of(job, **changes):
+def changed(job, tmp_path, **changes):
     """Return what the report of a job shows, with changes."""
-    values = {
-        "study": job.study,
-        "sweep": job.tuned.sweep,
-        "published": job.published,
-        "tuned": job.tuned,
-        "moves": job.moves,
-        "moves_before": job.moves_before,
-        "verified": job.verified,
-        "chain": job.chain,
-        "satisfied": job.satisfied,
-    }
-    return Results(**{**values, **changes})
+    return replace(results_of(tmp_path, job, encirclements(job.tuned.sweep)), **changes)
+
+
+def written(path, results):
+    """Return the text of both reports, written without figures."""
+    words = document(results, ())
+    return text_of(write_pdf(path / "one.pdf", words, {})), write_html(
+        path / "one.html", words, {}
+    ).read_text(encoding="utf-8")
 
 
 def pdf_of(job):
     return next(path for path in job.files if path.suffix == ".pdf")
 
 
-def test_text_holds_verdict_gains_and_sources(job):
-    text = text_of(pdf_of(job))
+@pytest.fixture(scope="module")
+def text(job):
+    return text_of(pdf_of(job))
+
+
+def test_text_holds_verdict_gains_and_sources(job, text):
     assert "Every requirement is met" in text
     for key, unit, _, _ in job.tuned.gains.quantities():
         assert shown(getattr(job.tuned.gains, key), unit) in text
@@ -59,9 +68,9 @@ def test_text_holds_verdict_gains_and_sources(job):
     assert "Where this differs from the paper" in text
 
 
-def test_the_chain_is_in_the_report_with_every_factor(job):
+def test_the_chain_is_in_the_report_with_every_factor(job, text):
     assert job.chain[-1].name == "nonlinear machine"
-    text = " ".join(text_of(pdf_of(job)).split())
+    text = " ".join(text.split())
     after = text[text.index("How far the gain at") :]
     for link in job.chain:
         assert f"{link.name} {factor_text(link.factor)}" in after
@@ -73,28 +82,140 @@ def test_pdf_is_small(job):
     assert size < 3e6
 
 
-@pytest.mark.parametrize(
-    "title",
-    [
-        '#panic("typst") $x^2$ *bold* _it_ @ref <label> \\ `raw` // end',
-        r"\input{secret} \section{LaTeX} $\alpha$ %",
-        "Ääkkösiä: nosturin käyttölaite, Δοκιμή ρευστών",
-    ],
-)
-def test_title_is_printed_as_it_stands(load_boom, job, tmp_path, title):
+TITLES = [
+    '#panic("typst") $x^2$ *bold* _it_ @ref <label> \\ `raw` // end',
+    r"\input{secret} \section{LaTeX} $\alpha$ %",
+    '<script>alert(1)</script> &amp; <b>bold</b> "quoted"',
+    "Ääkkösiä: nosturin käyttölaite, Δοκιμή ρευστών",
+]
+
+
+class Texts(HTMLParser):
+    """Collects the text outside style and pictures, the tags, and where links lead."""
+
+    def __init__(self):
+        super().__init__()
+        self.text, self.tags, self.links, self._inside = [], [], [], []
+
+    def handle_starttag(self, tag, attributes):
+        self.tags.append(tag)
+        self.links += [value for name, value in attributes if name in {"href", "src", "xlink:href"}]
+        if tag in {"style", "svg", "title"}:
+            self._inside.append(tag)
+
+    def handle_endtag(self, tag):
+        if self._inside and self._inside[-1] == tag:
+            self._inside.pop()
+
+    def handle_data(self, data):
+        if not self._inside:
+            self.text.append(data)
+
+
+def parsed(html):
+    found = Texts()
+    found.feed(html)
+    return found
+
+
+def squeezed(text):
+    return "".join(text.split())
+
+
+@pytest.mark.parametrize("title", TITLES)
+def test_a_study_s_words_are_printed_as_they_stand(load_boom, job, tmp_path, title):
     study = load_boom(f"title={json.dumps(title)}", corners=True)
-    path = write_report(tmp_path / "titled.pdf", results_of(job, study=study), {})
-    assert "".join(title.split())[:25] in "".join(text_of(path).split())
+    sources = {**study.study.sources, "cylinder": f"assumed: {title}"}
+    sourced = study.study.model_copy(update={"sources": sources})
+    study = study.model_copy(update={"study": sourced})
+    pdf, html = written(tmp_path, changed(job, tmp_path, study=study))
+    assert squeezed(title)[:25] in squeezed(pdf)
+    assert f"assumed:{squeezed(title)[:12]}" in squeezed(pdf)
+    found = parsed(html)
+    text = "".join(found.text)
+    assert title in text[: text.index("Study boom")]
+    assert f"assumed: {title}" in text
+    assert not {"script", "b"} & set(found.tags)
 
 
-def test_report_without_some_figure_leaves_only_that_out(job, tmp_path):
-    results = results_of(job, sweep=job.published, tuned=None, verified=None, satisfied=False)
-    path = write_report(tmp_path / "bare.pdf", results, {})
-    text = text_of(path)
-    assert "Some requirement is not met" in text
-    assert "nothing was tuned" in text
+def test_report_without_some_results_leaves_only_those_out(job, tmp_path):
+    bare = {"tuned": None, "verified": None, "moves": (), "moves_before": (), "chain": ()}
+    bare |= {"encirclements": (), "drivers": (), "satisfied": False, "sweep": job.published}
+    whole = written(tmp_path, changed(job, tmp_path))
+    for text, before in zip(written(tmp_path, changed(job, tmp_path, **bare)), whole, strict=True):
+        assert "Some requirement is not met" in text
+        assert "nothing was tuned" in text
+        assert "published: Table 2" in text
+        for missing in ("Linear check", "The nonlinear machine", "Encirclements of"):
+            assert missing in before
+            assert missing not in text
+
+
+@pytest.mark.parametrize("missing", ["tuned", "verified", "chain", "drivers", "moves"])
+def test_each_result_may_be_missing_alone(job, tmp_path, missing):
+    empty = None if missing in {"tuned", "verified"} else ()
+    changes = {missing: empty} | ({"moves_before": ()} if missing == "moves" else {})
+    pdf, html = written(tmp_path, changed(job, tmp_path, **changes))
+    assert "Parameters and their sources" in pdf
+    assert "Parameters and their sources" in html
 
 
 def test_unstable_plants_with_the_measurement_path_are_said_on_the_first_page(job):
     first = pypdf.PdfReader(pdf_of(job)).pages[0].extract_text()
     assert "unstable with the measurement path" in " ".join(first.split())
+
+
+def test_html_stands_alone_and_says_what_the_pdf_says(job):
+    path = next(path for path in job.files if path.suffix == ".html")
+    html = path.read_text(encoding="utf-8")
+    found = parsed(html)
+    assert found.links
+    assert all(link.startswith("#") for link in found.links)
+    assert not {"script", "link", "iframe", "object", "img"} & set(found.tags)
+    text = " ".join("".join(found.text).split())
+    assert "Every requirement is met" in text
+    for key, unit, _, _ in job.tuned.gains.quantities():
+        assert shown(getattr(job.tuned.gains, key), unit) in text
+    for link in job.chain:
+        assert factor_text(link.factor) in text
+    identifiers = re.findall(r'<section id="([^"]+)"', html)
+    assert identifiers == [link[1:] for link in found.links if link.startswith("#section")]
+    assert path.stat().st_size < 3e6
+
+
+def test_every_figure_stands_in_the_html_once_with_identifiers_of_its_own(job):
+    html = next(path for path in job.files if path.suffix == ".html").read_text(encoding="utf-8")
+    drawn = {path.stem for path in job.files if path.suffix == ".svg"}
+    assert {"nyquist", "sensitivity", "load"} <= drawn
+    for name in drawn:
+        assert html.count(f'id="{name}-figure_1"') == 1
+    used = set(re.findall(r'(?:href="#|url\(#)([^")]+)', html))
+    assert used <= set(re.findall(r'\bid="([^"]+)"', html))
+
+
+def test_no_page_of_the_pdf_is_all_but_empty_and_all_are_numbered(job):
+    pages = pypdf.PdfReader(pdf_of(job)).pages
+    for number, page in enumerate(pages, 1):
+        text = " ".join(page.extract_text().split())
+        assert f"{number} / {len(pages)}" in text
+        drawn = len(page.get_contents().get_data())
+        assert len(text) > 400 or drawn > 20_000
+        if number > 1:
+            assert job.study.hash()[:12] in text
+
+
+def test_section_7_is_beside_with_what_is_predicted_and_what_calibrated(text):
+    text = " ".join(text.split())
+    after = text[text.index("(§7)") :]
+    for value in ("19.5", "18.9", "45", "29", "15.9", "50.8", "31"):
+        assert f" {value} " in after
+    assert "performance index [ms] 13.1–30.4" in after
+    assert "predicted" in after
+    assert "calibrated" in after
+
+
+def test_discrete_coefficients_are_those_of_tustin(job, text):
+    text = squeezed(text).replace("−", "-")
+    law = discretise(pack_gains(job.tuned.gains), job.study.study.controller.sampling_period)
+    for value in law:
+        assert f"{value:.12g}" in text

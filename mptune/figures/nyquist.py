@@ -1,0 +1,79 @@
+"""Nyquist plots of the velocity loop and of the loop at F_ref, about the critical point."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.figures.style import EDGE, LIMIT, NOMINAL, WORST, legend_below, new_figure, style
+from mptune.loops.broken import FORCE, VELOCITY
+from mptune.loops.family import nominal_plants
+from mptune.params.pack import Plants, pack_filters, pack_gains, pack_nominal, pack_path
+from mptune.robust.curves import loop_curves
+from mptune.robust.encirclements import single
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from mptune.robust.encirclements import Encirclements
+    from mptune.robust.result import SweepResult
+
+_POINTS = 1200
+_LOWEST, _HIGHEST = 0.5, 2000.0  # rad/s; below, the curves lie far outside the window
+_WINDOW = (-3.2, 1.2, -3.0, 1.4)
+_TITLES = {VELOCITY: "Velocity loop", FORCE: "Loop at $F_{ref}$"}
+
+
+def nyquist_plots(result: SweepResult, counts: tuple[Encirclements, ...]) -> Figure:
+    """Draw both loops: nominal, worst, and the corners of the family; counts in the titles."""
+    with style():
+        figure = new_figure(3.8)
+        axes = figure.subplots(1, 2)
+        for one, loop in zip(axes, (VELOCITY, FORCE), strict=True):
+            _draw(one, result, loop)
+            one.set_title(_title(loop, counts), loc="left", fontsize=8.5)
+        legend_below(figure, *axes)
+    return figure
+
+
+def _title(loop: int, counts: tuple[Encirclements, ...]) -> str:
+    most = {one.path: one.most for one in counts if one.loop == loop}
+    return f"{_TITLES[loop]}: encirclements {most['none']}, with path {most['filters']}"
+
+
+def _draw(axes: Axes, result: SweepResult, loop: int) -> None:
+    study, gains = result.study, pack_gains(result.gains)
+    share_a, path = study.study.cylinder.share_a, pack_path(study)
+    omega = np.geomspace(_LOWEST, _HIGHEST, _POINTS)
+    corners = loop_curves(loop, omega, _corners(result.plants), share_a, gains, path)
+    for n, curve in enumerate(corners):
+        label = "corners of the family" if n == 0 else None
+        axes.plot(curve.real, curve.imag, label=label, **{**EDGE, "linewidth": 0.5, "alpha": 0.7})
+    nominal = loop_curves(loop, omega, nominal_plants(pack_nominal(study)), 0.5, gains, path)[0]
+    axes.plot(nominal.real, nominal.imag, label="nominal plant", **NOMINAL)
+    at = (result.velocity if loop == VELOCITY else result.position).at
+    if at.response is None:
+        looks = [(path, "worst plant", WORST)]
+        if path.sample_time == 0:
+            words = "worst plant, with measurement path"
+            looks.append((pack_filters(study.study.controller), words, {**WORST, "linestyle": ":"}))
+        for one, label, look in looks:
+            curve = loop_curves(loop, omega, single(at), share_a, gains, one)[0]
+            axes.plot(curve.real, curve.imag, label=label, **look)
+    turn = np.linspace(0, 2 * np.pi, 200)
+    circle = {**LIMIT, "linewidth": 0.8}
+    axes.plot(-1 + 0.5 * np.cos(turn), 0.5 * np.sin(turn), label="$|S|$ = 2", **circle)
+    axes.plot(-1, 0, marker="+", color="black", markersize=8, linestyle="none", label="−1")
+    left, right, low, high = _WINDOW
+    axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", adjustable="datalim")
+    axes.set(xlabel="Real part [–]", ylabel="Imaginary part [–]")
+
+
+def _corners(plants: Plants) -> Plants:
+    """Return the plants all of whose parameters are at an end of their range."""
+    ends = np.ones(len(plants.mass), np.bool_)
+    for column in plants:
+        ends &= (column == column.min()) | (column == column.max())
+    return Plants(*(np.ascontiguousarray(column[ends]) for column in plants))

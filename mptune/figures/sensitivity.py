@@ -1,0 +1,100 @@
+"""Sensitivity functions of each loop over the family, and the step of the load."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.figures.style import (
+    LIMIT,
+    NOMINAL,
+    REFERENCE,
+    WORST,
+    band,
+    legend_below,
+    new_figure,
+    style,
+)
+from mptune.loops.broken import FORCE, POSITION, VELOCITY
+from mptune.loops.family import nominal_plants
+from mptune.params.pack import Plants, pack_filters, pack_gains, pack_nominal, pack_path
+from mptune.robust.curves import loop_curves
+from mptune.sim.response import load_step
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from mptune.robust.result import SweepResult
+
+_POINTS = 250
+_TITLES = {VELOCITY: "Velocity loop", POSITION: "Position loop", FORCE: "Loop at $F_{ref}$"}
+_FLOOR, _CEILING = 0.02, 10.0
+_LONGEST = 8.0  # over K_P,pos: the load step has faded by then
+
+
+def sensitivity_functions(result: SweepResult) -> Figure:
+    """Draw |S| above |T| for the velocity loop, the position loop and the loop at F_ref."""
+    with style():
+        figure = new_figure(4.4)
+        axes = figure.subplots(2, 3, sharex=True, sharey=True)
+        for column, loop in enumerate((VELOCITY, POSITION, FORCE)):
+            _draw(axes[0, column], axes[1, column], result, loop)
+            axes[0, column].set_title(_TITLES[loop], loc="left")
+            axes[1, column].set_xlabel("Frequency [rad/s]")
+        axes[0, 0].set_ylabel("|S| [–]")
+        axes[1, 0].set_ylabel("|T| [–]")
+        legend_below(figure, *axes.ravel())
+    return figure
+
+
+def _draw(above: Axes, below: Axes, result: SweepResult, loop: int) -> None:
+    study, gains = result.study, pack_gains(result.gains)
+    share_a, path = study.study.cylinder.share_a, pack_path(study)
+    omega = np.geomspace(1.0, min(float(result.omega[-1]), 500.0), _POINTS)
+    family = 1 / (1 + loop_curves(loop, omega, result.plants, share_a, gains, path))
+    nominal = loop_curves(loop, omega, nominal_plants(pack_nominal(study)), 0.5, gains, path)
+    highest = int(np.argmax(np.abs(family).max(axis=1)))
+    one = Plants(*(column[highest : highest + 1] for column in result.plants))
+    worst = family[highest]
+    measured = 1 / (
+        1 + loop_curves(loop, omega, one, share_a, gains, pack_filters(study.study.controller))[0]
+    )
+    for axes, less in ((above, 0), (below, 1)):  # T = 1 − S
+        band(axes, omega, np.abs(less - family), "family")
+        nominal_size = np.abs(less - 1 / (1 + nominal[0]))
+        axes.plot(omega, nominal_size, label="nominal plant", **NOMINAL)
+        axes.plot(omega, np.abs(less - worst), label="plant with the highest |S|", **WORST)
+        if path.sample_time == 0:
+            look = {**WORST, "linestyle": ":"}
+            size = np.abs(less - measured)
+            axes.plot(omega, size, label="the same, with measurement path", **look)
+        axes.axhline(1, **{**LIMIT, "linewidth": 0.8})
+        axes.set(xscale="log", yscale="log", ylim=(_FLOOR, _CEILING), xlim=(1.0, omega[-1]))
+        axes.set_yticks([0.1, 1, 2, 5, 10], ["0.1", "1", "2", "5", "10"])
+        axes.set_yticks([], minor=True)
+
+
+def load_response(result: SweepResult) -> Figure:
+    """Draw the position after a load step over the family, per kilonewton."""
+    study, gains = result.study, pack_gains(result.gains)
+    share_a, path = study.study.cylinder.share_a, pack_path(study)
+    time = np.linspace(0, _LONGEST / max(gains.k_p_pos, 1e-3), 301)
+    family = 1e6 * load_step(result.plants, share_a, gains, path, time)  # mm/kN
+    one = nominal_plants(pack_nominal(study))
+    nominal = 1e6 * load_step(one, 0.5, gains, path, time)[0]
+    worst = int(np.argmax(np.abs(family).max(axis=1)))
+    with style():
+        figure = new_figure(2.5)
+        axes = figure.subplots()
+        band(axes, time, family, "family")
+        axes.plot(time, family[worst], label="worst plant", **WORST)
+        axes.plot(time, nominal, label="nominal plant", **NOMINAL)
+        axes.axhline(0, **REFERENCE)
+        low, high = float(family.min()), float(family.max())
+        axes.set(xlabel="Time [s]", ylabel="Position [mm/kN]", xlim=(0, time[-1]))
+        axes.set_ylim(max(1.08 * low, -1.0), max(1.08 * min(high, 1.0), 0.02))
+        axes.set_title(f"Load step: up to {np.abs(family).max():.3g} mm/kN", loc="left")
+        legend_below(figure, axes)
+    return figure

@@ -1,0 +1,201 @@
+"""Gains beside gains: files and studies on one model, or each on its own.
+
+With ``--study`` every gains file is judged on that study's model, and what belongs to another
+model is refused: its verdicts would not carry over. Without it, each study that is named stands for
+its own gains on its own model, and each gains file for the named study whose model it was made for.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from mptune.errors import Fault, InputError
+from mptune.files import make_folder, read_text, write_whole
+from mptune.params.gains import GainsFile, read_gains
+from mptune.params.load import load_study, parse_toml
+from mptune.robust.sweep import sweep
+from mptune.sim.sampled import linear_moves
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+    from pathlib import Path
+
+    from mptune.params.controller import Feedforward
+    from mptune.params.study import ResolvedStudy
+    from mptune.robust.result import SweepResult
+    from mptune.sim.sampled import LinearMove
+
+
+@dataclass(frozen=True)
+class Compared:
+    """One set of gains, judged.
+
+    Attributes
+    ----------
+    label
+        Its name among the others.
+    source
+        The file that it comes from.
+    sweep, moves
+        The verdict over the family, and the sampled linear loop.
+    recorded
+        What a gains file records of its own closed loop on the nonlinear machine; else empty.
+    """
+
+    label: str
+    source: Path
+    feedforward: Feedforward
+    sweep: SweepResult
+    moves: tuple[LinearMove, ...]
+    recorded: dict[str, Any]
+
+    @property
+    def index_ms(self) -> dict[float, float]:
+        """The largest linear index by mass [kg]; infinite where a case is not stable."""
+        found: dict[float, float] = {}
+        for case in self.moves:
+            index = case.performance_index_ms if case.stable else float("inf")
+            found[case.mass_kg] = max(found.get(case.mass_kg, 0.0), index)
+        return found
+
+    def json(self) -> dict[str, Any]:
+        """Return the entry in SI, units in the keys; indices keep §7's unit."""
+        return {
+            "label": self.label,
+            "source": str(self.source),
+            "study": self.sweep.study.name,
+            "study_hash": self.sweep.study.hash(),
+            "gains": self.sweep.gains.model_dump(),
+            "feedforward": self.feedforward.model_dump(),
+            "sweep": self.sweep.json(),
+            "linear_index_ms": {f"{mass:.0f}_kg": index for mass, index in self.index_ms.items()},
+            "recorded": self.recorded,
+        }
+
+
+@dataclass(frozen=True)
+class _Entry:
+    source: Path
+    study: ResolvedStudy
+    file: GainsFile | None
+
+
+def compare(
+    sources: Sequence[Path],
+    study: Path | None,
+    out: Path,
+    progress: Callable[[str, float], None] = lambda *_: None,
+    *,
+    overrides: Sequence[str] = (),
+    uncertainty: str = "",
+) -> tuple[tuple[Compared, ...], tuple[Path, ...]]:
+    """Judge two or more sets of gains, and draw them over one another.
+
+    Parameters
+    ----------
+    sources
+        Gains files and study files.
+    study
+        The study on whose model all are judged; None for each on its own.
+    out, progress
+        Folder for results, and what is told how far it is.
+    overrides, uncertainty
+        For every study, as in ``load_study``.
+
+    Raises
+    ------
+    InputError
+        If there are fewer than two, or some gains file belongs to none of the models.
+    """
+    from mptune.figures.compare import compared_gains
+    from mptune.figures.style import to_svg
+
+    if len(sources) < 2:
+        remedy = "name two or more gains files or studies"
+        raise InputError("command line", Fault("", "", "has nothing to compare with", remedy))
+    entries = _entries(sources, study, overrides, uncertainty)
+    folder = make_folder(out)
+    labels = _labels(entries)
+    found = []
+    for n, (label, entry) in enumerate(zip(labels, entries, strict=True)):
+        progress("compare", n / len(entries))
+        found.append(_judged(label, entry))
+    progress("figures", 0.0)
+    path = write_whole(folder / "compare.svg", to_svg(compared_gains(_drawn(found))))
+    progress("figures", 1.0)
+    return tuple(found), (path,)
+
+
+def _entries(
+    sources: Sequence[Path], study: Path | None, overrides: Sequence[str], uncertainty: str
+) -> list[_Entry]:
+    """Return what each source stands for; studies first, as gains files may need them."""
+    frame = load_study(study, overrides, uncertainty) if study else None
+    texts = {path: parse_toml(path, read_text(path)) for path in sources}
+    files = {path: read_gains(path) for path, values in texts.items() if "study_hash" in values}
+    studies = {
+        path: load_study(path, overrides, uncertainty) for path in sources if path not in files
+    }
+    known = [frame] if frame else list(studies.values())
+    for path, one in studies.items():
+        if frame is not None and one.hash() != frame.hash():
+            rule = f"is another model ({one.hash()[:12]}…) than --study's ({frame.hash()[:12]}…)"
+            remedy = "leave --study out: each study is then judged on its own model"
+            raise InputError(path, Fault("", "", rule, remedy))
+    entries = []
+    for path in sources:
+        if path in studies:
+            entries.append(_Entry(path, studies[path], None))
+            continue
+        file = files[path]
+        own = next((one for one in known if one.hash() == file.study_hash), None)
+        if own is None:
+            raise InputError(path, _homeless(file, known, framed=frame is not None))
+        entries.append(_Entry(path, own, file))
+    return entries
+
+
+def _homeless(file: GainsFile, known: Sequence[ResolvedStudy], *, framed: bool) -> Fault:
+    """Return the fault of a gains file whose model is not among those given."""
+    made = f"{file.study_hash[:12]}…"
+    which = f"study {file.study}, uncertainty set {file.uncertainty or 'default'}"
+    if not known:
+        return Fault("study_hash", made, "needs its model", f"name it: --study ({which})")
+    models = ", ".join(f"{one.name} {one.hash()[:12]}…" for one in known)
+    rule = f"belongs to another model than {models}"
+    if framed:
+        return Fault("study_hash", made, rule, f"give the study it was made for ({which})")
+    return Fault("study_hash", made, rule, f"name the study it was made for as well ({which})")
+
+
+def _labels(entries: Sequence[_Entry]) -> list[str]:
+    """Return a name for each entry: its file's or folder's, numbered where not its own."""
+    names = []
+    for entry in entries:
+        path = entry.source.resolve()
+        common = path.stem in {"gains", "study"}
+        name = path.parent.name if common else path.stem
+        names.append(f"{name}, study's own" if entry.file is None else name)
+    return [
+        f"{name} ({names[: n + 1].count(name)})" if names.count(name) > 1 else name
+        for n, name in enumerate(names)
+    ]
+
+
+def _judged(label: str, entry: _Entry) -> Compared:
+    study, file = entry.study, entry.file
+    gains = file.gains if file else study.study.gains
+    feedforward = file.feedforward if file else study.study.feedforward
+    return Compared(
+        label=label,
+        source=entry.source,
+        feedforward=feedforward,
+        sweep=sweep(study, gains),
+        moves=linear_moves(study, gains, feedforward),
+        recorded=file.figures.get("closed_loop", {}) if file else {},
+    )
+
+
+def _drawn(found: Sequence[Compared]) -> list[tuple[str, SweepResult, tuple[LinearMove, ...]]]:
+    return [(one.label, one.sweep, one.moves) for one in found]

@@ -1,0 +1,91 @@
+"""A run's figures, and its report as PDF and for the browser."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mptune.job.kept import kept
+from mptune.report.content.closed_loop import machine_figure
+from mptune.report.results import Results
+from mptune.robust.drivers import drivers
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from mptune.job.run import JobResult
+    from mptune.robust.encirclements import Encirclements
+
+
+def draw(result: JobResult, counts: tuple[Encirclements, ...]) -> tuple[dict[str, bytes], bytes]:
+    """Return the figures of a run as SVG, by name, and the four panels as PNG."""
+    from mptune.figures.bode import bode_plots
+    from mptune.figures.chain import gain_chain
+    from mptune.figures.machine import machine_traces
+    from mptune.figures.moves import move_traces
+    from mptune.figures.nyquist import nyquist_plots
+    from mptune.figures.panels import four_panels
+    from mptune.figures.sensitivity import load_response, sensitivity_functions
+    from mptune.figures.style import to_png, to_svg
+
+    swept = result.tuned.sweep
+    panels = four_panels(swept)
+    figures = {
+        "panels": to_svg(panels),
+        "bode": to_svg(bode_plots(swept)),
+        "nyquist": to_svg(nyquist_plots(swept, counts)),
+        "sensitivity": to_svg(sensitivity_functions(swept)),
+        "load": to_svg(load_response(swept)),
+        "chain": to_svg(gain_chain(result.chain)),
+        "moves": to_svg(move_traces(result.moves)),
+    }
+    for case in result.verified.worst_per_mass() if result.verified else ():
+        figures[machine_figure(case.mass_kg)] = to_svg(machine_traces(swept.study, case))
+    return figures, to_png(panels)
+
+
+def report(
+    out: Path,
+    result: JobResult,
+    counts: tuple[Encirclements, ...],
+    figures: Mapping[str, bytes],
+) -> tuple[Path, Path]:
+    """Write the report, with what other commands have left in the study's folder.
+
+    Raises
+    ------
+    OutputError
+        If a file cannot be written.
+    """
+    from mptune.report.content import document
+    from mptune.report.pdf import write_pdf
+    from mptune.report.web import write_html
+
+    results = results_of(out, result, counts)
+    drawn = {**figures, **(results.kept.figures or {})}
+    words = document(results, drawn)
+    name = result.study.name
+    return (
+        write_pdf(out / f"{name}.pdf", words, drawn),
+        write_html(out / f"{name}.html", words, drawn),
+    )
+
+
+def results_of(out: Path, result: JobResult, counts: tuple[Encirclements, ...]) -> Results:
+    """Return what the report of a run shows."""
+    swept = result.tuned.sweep
+    return Results(
+        study=result.study,
+        sweep=swept,
+        published=result.published,
+        feedforward=result.tuned.feedforward,
+        tuned=result.tuned,
+        moves=result.moves,
+        moves_before=result.moves_before,
+        verified=result.verified,
+        chain=result.chain,
+        encirclements=counts,
+        drivers=drivers(swept),
+        kept=kept(out / result.study.name, result.study),
+        satisfied=result.satisfied,
+    )

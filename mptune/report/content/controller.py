@@ -1,0 +1,82 @@
+"""The controller as it is exported: continuous gains, discrete coefficients, filters."""
+
+from __future__ import annotations
+
+import math
+from typing import TYPE_CHECKING, Any
+
+from mptune.params.pack import pack_gains
+from mptune.report.blocks import (
+    Cell,
+    equations,
+    heading,
+    left,
+    note,
+    prose,
+    right,
+    section,
+    symbol,
+    table,
+    wide,
+)
+from mptune.signals.tustin import discretise
+from mptune.units import shown
+
+if TYPE_CHECKING:
+    from mptune.report.results import Results
+
+_COEFFICIENTS = {
+    "b0": ("b_0", "1/s", "direct share"),
+    "b1": ("b_1", "1/s", "numerator"),
+    "b2": ("b_2", "1/s", "numerator"),
+    "a1": ("a_1", "1", "denominator"),
+    "a2": ("a_2", "1", "denominator"),
+    "integral": ("c", "1/s", "of the trapezoidal integrator"),
+}
+
+
+def controller(results: Results) -> dict[str, Any]:
+    """Return the controller, continuous and as the target runs it."""
+    settings = results.study.study.controller
+    law = discretise(pack_gains(results.sweep.gains), settings.sampling_period)
+    discrete: list[list[str | Cell]] = [
+        [symbol(mark), f"{getattr(law, key):.12g}", unit, meaning]
+        for key, (mark, unit, meaning) in _COEFFICIENTS.items()
+    ]
+    fast = settings.fast_sampling_period
+    filters: list[list[str | Cell]] = [
+        [name, shown(time, "s"), f"{math.exp(-fast / time):.9g}"]
+        for name, time in (
+            ("position", settings.position_filter),
+            ("chamber pressures", settings.pressure_filter),
+            ("supply pressures, converter pistons", settings.supply_filter),
+        )
+    ]
+    gains: list[list[str | Cell]] = [
+        [symbol(mark), f"{getattr(found, key):.9g}", unit.replace("^2", "²"), meaning]
+        for found in (results.sweep.gains, results.feedforward)
+        for key, unit, mark, meaning in found.quantities()
+    ]
+    period = shown(settings.sampling_period, "s")
+    return section(
+        "The controller",
+        prose("Velocity controller, position controller, and what reaches the force controller:"),
+        equations("eq18 eq22", "fref"),
+        heading("Continuous, SI"),
+        table([*left("Symbol"), *right("Value"), *left("Unit"), wide("Meaning")], gains, keep=True),
+        heading(f"Discrete: Tustin's approximation at T_S = {period}"),
+        equations("tustin"),
+        table(
+            [*left("Symbol"), *right("Value"), *left("Unit"), wide("Meaning")],
+            discrete,
+            keep=True,
+        ),
+        heading(f"Filters at {shown(fast, 's')}"),
+        table([wide("Signal"), *right("Time constant", "Pole")], filters, keep=True),
+        note(
+            "Positions and pressures pass a median of three samples before their first-order "
+            "filter; the velocity is Eq. 23 of the filtered position:"
+        ),
+        equations("eq23"),
+        new_page=True,
+    )

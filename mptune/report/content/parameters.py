@@ -1,0 +1,78 @@
+"""The study's parameters with units and sources, and where mptune differs from the paper."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mptune.loops.family import derived_time_constants
+from mptune.params.paper import LEDGER
+from mptune.params.section import Section
+from mptune.report.blocks import (
+    Block,
+    Cell,
+    heading,
+    prose,
+    section,
+    symbol,
+    table,
+    wide,
+)
+from mptune.units import shown
+
+if TYPE_CHECKING:
+    from mptune.params.study import ResolvedStudy
+    from mptune.report.results import Results
+
+
+def parameters(results: Results) -> dict[str, Any]:
+    """Return the study's sections with each parameter's symbol, value, meaning and source."""
+    study = results.study
+    tau_a, tau_b = (shown(pair, "s", ranged=True) for pair in derived_time_constants(study))
+    return section(
+        "Parameters and their sources",
+        prose(
+            "For this machine Eq. 4 and Eq. 12 give, over the stroke and the oil's range, τ_A = "
+            f"{tau_a} and τ_B = {tau_b}. The uncertainty set used is in the table below."
+        ),
+        *_sections(study),
+        new_page=True,
+    )
+
+
+def _sections(study: ResolvedStudy) -> list[Block]:
+    blocks: list[Block] = []
+    values = study.study.model_copy(update={"uncertainty": study.uncertainty})
+    chosen = study.uncertainty_name
+    columns = [wide("Symbol", 1.6), wide("Meaning", 5.2), wide("Value", 3.6), wide("Source", 6.6)]
+    for name in type(study.study).model_fields:
+        part = getattr(values, name)
+        if not isinstance(part, Section):
+            continue
+        prefix = f"uncertainty.sets.{chosen}" if name == "uncertainty" and chosen else name
+        rows: list[list[str | Cell]] = [
+            [
+                symbol(mark),
+                meaning,
+                shown(getattr(part, key), unit, ranged=part.is_range(key)),
+                Cell(study.study.source_of(f"{prefix}.{key}") or "this study", "small"),
+            ]
+            for key, unit, mark, meaning in part.quantities()
+            if getattr(part, key) is not None
+        ]
+        if rows:
+            blocks += [heading(name), table(columns, rows, keep=True)]
+    return blocks
+
+
+def ledger(_results: Results) -> dict[str, Any]:
+    """Return the ledger of disagreements with the paper."""
+    rows: list[list[str | Cell]] = [
+        [Cell(text, "small") for text in (entry.where, entry.reads, entry.used, entry.why)]
+        for entry in LEDGER
+    ]
+    columns = [wide("Where", 2.2), wide("The paper reads", 3.2), wide("Used here", 4)]
+    return section(
+        "Where this differs from the paper",
+        table([*columns, wide("Why", 7.6)], rows),
+        new_page=True,
+    )

@@ -1,0 +1,82 @@
+"""Simpler controllers under the same requirements, and the front of tracking and disturbance."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+from mptune.report.blocks import (
+    Cell,
+    Column,
+    figure,
+    left,
+    note,
+    prose,
+    right,
+    section,
+    table,
+    verdict,
+)
+from mptune.tune.baselines import LABELS
+
+if TYPE_CHECKING:
+    from mptune.report.results import Results
+
+_FIGURES = ("Index [ms]", "K_I,pos [1/s²]", "Load step [mm/kN]", "Bandwidth [rad/s]")
+
+
+def comparison(results: Results) -> dict[str, Any] | None:
+    """Return P, PI and PID beside Eq. 22, where they were tuned."""
+    if not results.kept.compared:
+        return None
+    rows: list[list[str | Cell]] = [
+        [
+            LABELS[one["structure"]],
+            *_figures(one["figures"]),
+            f"{one['velocity_worst_ratio']:.3f}",
+            f"{one['position_worst_ratio']:.3f}",
+            verdict(one["status"] or "not tuned", good=one["satisfied"]),
+        ]
+        for one in results.kept.compared
+    ]
+    columns: list[Column] = [*left("Controller"), *right(*_FIGURES, "Eq. 17", "Eq. 21")]
+    return section(
+        "Controllers under the same requirements",
+        figure(
+            "controllers",
+            "Right-hand side of Eq. 21 for each controller above the family's error, and the worst "
+            "performance index.",
+        ),
+        table([*columns, *left("Status")], rows),
+        note(
+            "Each is tuned with the same objective, requirements and family; bounds of gains that "
+            "a structure does not have are not asked of it."
+        ),
+    )
+
+
+def front(results: Results) -> dict[str, Any] | None:
+    """Return the Pareto front of tracking against disturbance, where it was run."""
+    if not results.kept.front:
+        return None
+    rows: list[list[str | Cell]] = [
+        [*_figures(point["figures"]), "converged" if point["converged"] else "not converged"]
+        for point in results.kept.front
+    ]
+    return section(
+        "Tracking against disturbance",
+        prose(
+            "The least tracking index for each integral gain, from where tracking is best to the "
+            "largest integral gain that the requirements allow. Each point is a local optimum."
+        ),
+        figure("front", "The front, and where the study's own gains lie."),
+        table([*right(*_FIGURES), *left("Search")], rows),
+    )
+
+
+def _figures(figures: dict[str, float]) -> list[str]:
+    return [
+        f"{1e3 * figures['tracking_index_s']:.2f}",
+        f"{figures['k_i_pos']:.3g}",
+        f"{1e6 * figures['load_step_m_per_n']:.3g}",
+        f"{figures['bandwidth_rad_s']:.3g}",
+    ]

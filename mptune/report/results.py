@@ -1,0 +1,64 @@
+"""What a report is made of: results that are there, and None or nothing for those that are not."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    from mptune.identify.result import Panel
+    from mptune.params.controller import Feedforward
+    from mptune.params.study import ResolvedStudy
+    from mptune.robust.chain import Link
+    from mptune.robust.drivers import Driver
+    from mptune.robust.encirclements import Encirclements
+    from mptune.robust.result import SweepResult
+    from mptune.sim.sampled import LinearMove
+    from mptune.tune.result import TuneResult
+    from mptune.verify.result import VerifyResult
+
+
+@dataclass(frozen=True)
+class Kept:
+    """What other commands have left in the study's folder, for the same model.
+
+    Attributes
+    ----------
+    compared
+        The controllers of ``tune --compare``, as its JSON has them.
+    front
+        The points of ``tune --front``, as its JSON has them.
+    panels
+        Fig. 3's panels of ``identify``.
+    figures
+        Their figures: SVG bytes by name.
+    """
+
+    compared: tuple[dict[str, Any], ...] = ()
+    front: tuple[dict[str, Any], ...] = ()
+    panels: tuple[Panel, ...] = ()
+    figures: Mapping[str, bytes] | None = None
+
+
+@dataclass(frozen=True)
+class Results:
+    """What a run has produced; the report shows what is there.
+
+    ``feedforward`` is the one that goes with the gains swept.
+    """
+
+    study: ResolvedStudy
+    sweep: SweepResult
+    published: SweepResult
+    feedforward: Feedforward
+    tuned: TuneResult | None = None
+    moves: tuple[LinearMove, ...] = ()
+    moves_before: tuple[LinearMove, ...] = ()
+    verified: VerifyResult | None = None
+    chain: tuple[Link, ...] = ()
+    encirclements: tuple[Encirclements, ...] = ()
+    drivers: tuple[Driver, ...] = ()
+    kept: Kept = Kept()
+    satisfied: bool = False

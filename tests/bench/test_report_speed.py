@@ -1,0 +1,27 @@
+"""How long the figures and both reports take once results exist, and how large they are."""
+
+import time
+
+import pytest
+
+from mptune.job.report import draw, report
+from mptune.job.run import run
+from mptune.robust.encirclements import encirclements
+
+pytestmark = pytest.mark.bench
+
+
+def test_report_of_the_boom_study(load_boom, tmp_path):
+    brief = ("verification.repeats=3", "verification.seeds=[1]")
+    result = run(load_boom(*brief), tmp_path)
+    start = time.perf_counter()
+    counts = encirclements(result.tuned.sweep)
+    figures, _ = draw(result, counts)
+    drawn = time.perf_counter()
+    pdf, html = report(tmp_path, result, counts, figures)
+    end = time.perf_counter()
+    sizes = [path.stat().st_size / 1e6 for path in (pdf, html)]
+    print(f"figures {drawn - start:.1f} s, reports {end - drawn:.1f} s")
+    print(f"PDF {sizes[0]:.2f} MB, HTML {sizes[1]:.2f} MB")
+    assert end - start < 15
+    assert max(sizes) < 3
