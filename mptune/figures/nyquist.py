@@ -29,7 +29,7 @@ _TITLES = {VELOCITY: "Velocity loop", FORCE: "Loop at $F_{ref}$"}
 def nyquist_plots(result: SweepResult, counts: tuple[Encirclements, ...]) -> Figure:
     """Draw both loops: nominal, worst, and the corners of the family; counts in the titles."""
     with style():
-        figure = new_figure(3.8)
+        figure = new_figure(4.0)
         axes = figure.subplots(1, 2)
         for one, loop in zip(axes, (VELOCITY, FORCE), strict=True):
             _draw(one, result, loop)
@@ -67,7 +67,7 @@ def _draw(axes: Axes, result: SweepResult, loop: int) -> None:
     axes.plot(-1 + 0.5 * np.cos(turn), 0.5 * np.sin(turn), label="$|S|$ = 2", **circle)
     axes.plot(-1, 0, marker="+", color="black", markersize=8, linestyle="none", label="−1")
     left, right, low, high = _WINDOW
-    axes.set(xlim=(left, right), ylim=(low, high), aspect="equal", adjustable="datalim")
+    axes.set(xlim=(left, right), ylim=(low, high), aspect="equal")
     axes.set(xlabel="Real part [–]", ylabel="Imaginary part [–]")
 
 

@@ -23,6 +23,8 @@ if TYPE_CHECKING:
     from mptune.identify.result import Band, Panel
     from mptune.report.results import Results
 
+_SHORT = 24  # rows of a table that is kept on one page
+
 
 def identification(results: Results) -> dict[str, Any] | None:
     """Return Fig. 3's panels and their agreement with theory."""
@@ -48,7 +50,7 @@ def identification(results: Results) -> dict[str, Any] | None:
         prose("The force controller on the nonlinear machine, excited at Eq. 13's points, beside"),
         equations("eq11"),
         *figures,
-        table([*columns, *left("Verdict")], [row for row in rows if row]),
+        table([*columns, *left("Verdict")], [row for row in rows if row], keep=len(rows) <= _SHORT),
         note(
             "Median: largest deviation over frequency of the median over the points. Within: share "
             f"of the fits within {limits}."

@@ -21,7 +21,7 @@ from mptune.tune.baselines import LABELS
 if TYPE_CHECKING:
     from mptune.report.results import Results
 
-_FIGURES = ("Index [ms]", "K_I,pos [1/s²]", "Load step [mm/kN]", "Bandwidth [rad/s]")
+_FIGURES = ("Index\n[ms]", "K_I,pos\n[1/s²]", "Load step\n[mm/kN]", "Bandwidth\n[rad/s]")
 
 
 def comparison(results: Results) -> dict[str, Any] | None:
@@ -46,7 +46,7 @@ def comparison(results: Results) -> dict[str, Any] | None:
             "Right-hand side of Eq. 21 for each controller above the family's error, and the worst "
             "performance index.",
         ),
-        table([*columns, *left("Status")], rows),
+        table([*columns, *left("Status")], rows, keep=True),
         note(
             "Each is tuned with the same objective, requirements and family; bounds of gains that "
             "a structure does not have are not asked of it."
@@ -69,7 +69,7 @@ def front(results: Results) -> dict[str, Any] | None:
             "largest integral gain that the requirements allow. Each point is a local optimum."
         ),
         figure("front", "The front, and where the study's own gains lie."),
-        table([*right(*_FIGURES), *left("Search")], rows),
+        table([*right(*_FIGURES), *left("Search")], rows, keep=True),
     )
 
 
