@@ -15,7 +15,7 @@ from mptune.tune.result import Relief, Round
 from mptune.tune.space import Choice, Space, space_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterable, Iterator
 
     from mptune.arrays import FloatArray
     from mptune.params.controller import Feedforward
@@ -27,6 +27,8 @@ if TYPE_CHECKING:
 _ROUNDS = 8
 _TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved
 _SMALLER = (1.0, 0.5, 0.25)  # of the position gains, tried where no convex start is known
+_STARTS = 3
+_SAME = 1e-4  # of the objective: ends of two starts that differ by less have found the same
 _BINDING = 2e-3  # of a logarithm
 _MET = 1e-5  # an excess that counts as none
 _NO_INTEGRAL = 1e-6  # 1/s²: stands for a gain of 0, whose inverse is wanted
@@ -135,11 +137,13 @@ class Search:
             reliefs.append(Relief(name, factor))
         return tuple(reliefs)
 
-    def _improve(self, starts: list[FloatArray], progress: Callable[[float], None]) -> Searched:
-        outcomes = []
+    def _improve(self, starts: Iterable[FloatArray], progress: Callable[[float], None]) -> Searched:
+        outcomes: list[Polished] = []
         for n, start in enumerate(starts):
             outcomes.append(self._polish(start))
-            progress(0.8 * (n + 1) / len(starts))
+            progress(0.8 * (n + 1) / _STARTS)
+            if _agree(outcomes):
+                break
         best = min(outcomes, key=_rank)
         if not best.values.feasible:
             best = self._nearest(best)
@@ -180,22 +184,23 @@ class Search:
         """Return the point nearest to every requirement, whatever the objective."""
         return self._polish(best.point, np.ones(len(best.values.excesses), np.bool_))
 
-    def _starts(self, first: Choice | None) -> list[FloatArray]:
-        """Return points to polish: the given or the study's own, and the convex core's."""
+    def _starts(self, first: Choice | None) -> Iterator[FloatArray]:
+        """Yield points to polish: the given or the study's own, and the convex core's."""
         own = first or Choice(self._start, self._matched_feedforward())
         if first is not None:
-            return [self._space.point(own)]
+            yield self._space.point(own)
+            return
         if self._space.structure != "eq22":
-            return [self._scaled(own, share) for share in _SMALLER]
+            yield from (self._scaled(own, share) for share in _SMALLER)
+            return
         limits = self._space.limits()
         core = Core(self._task, self._start, self._task.corners(), limits)
         low, high = np.log(limits["tau"])
         kind = max(self._weights, key=lambda kind: self._weights[kind])
-        points = [self._space.point(own)]
+        yield self._space.point(own)
         for share in _TAU_SHARES[: 1 if low == high else None]:
             _, gains = core.shaped(float(np.exp(low + share * (high - low))), kind)
-            points.append(self._space.point(own._replace(gains=gains)))
-        return points
+            yield self._space.point(own._replace(gains=gains))
 
     def _matched_feedforward(self) -> Feedforward:
         """Return the study's feed-forward, what is free of it matched to the machine.
@@ -290,6 +295,13 @@ class Search:
             if high - value < 1e-4:
                 at.append(f"{name} ≤")
         return tuple(dict.fromkeys(at))
+
+
+def _agree(outcomes: list[Polished]) -> bool:
+    """Return whether the two best ends so far, from different starts, are worth the same."""
+    ends = [one for one in outcomes if one.values.feasible and one.converged]
+    costs = sorted(one.values.cost for one in ends)
+    return len(costs) > 1 and costs[1] - costs[0] <= _SAME * abs(costs[0])
 
 
 def _rank(outcome: Polished) -> tuple[float, float]:
