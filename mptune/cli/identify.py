@@ -68,7 +68,7 @@ def identify(
     json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Compare the force loop's frequency response with Eq. 11 (Fig. 3), or fit measured data."""
+    """Compare the force loop with its theory as in Fig. 3, or fit measured data."""
     channels = (input_channel, output_channel, time_channel, sample_time)
     settings = {"--period": period, "--skip": skip, "--segment": segment}
     if data or any(channels) or any(settings.values()) or any(band) or held:

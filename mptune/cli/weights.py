@@ -46,7 +46,7 @@ def weights(
     json: JsonOption = False,
     quiet: QuietOption = False,
 ) -> None:
-    """Search the weights of Eq. 7: §5.4's order, then beyond it."""
+    """Search the force controller's weights: the order of §5.4, then beyond it."""
     from mptune.cli import show, show_weights
     from mptune.cli.interrupt import interruptible
     from mptune.job.weights import weights_study

@@ -27,6 +27,7 @@ PENALTY = 10.0
 TIMED = """
 import sys, time
 from pathlib import Path
+from mptune.job.tune import tune_study
 from mptune.params.load import load_study
 study = load_study(Path(sys.argv[1]))
 times = []
