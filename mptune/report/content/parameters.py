@@ -46,8 +46,8 @@ def _sections(study: ResolvedStudy) -> list[Block]:
     columns = [wide("Symbol", 1.6), wide("Meaning", 5.2), wide("Value", 3.6), wide("Source", 6.6)]
     for name in type(study.study).model_fields:
         part = getattr(values, name)
-        if not isinstance(part, Section):
-            continue
+        if not isinstance(part, Section) or name not in study.study.model_fields_set:
+            continue  # a list, or a section that the study leaves out
         prefix = f"uncertainty.sets.{chosen}" if name == "uncertainty" and chosen else name
         rows: list[list[str | Cell]] = [
             [
