@@ -68,8 +68,9 @@ def weights_of(objective: Objective) -> dict[str, float]:
 class Judge:
     """Computes the figures of merit of one task, on the plants that are worst in them.
 
-    It starts with those of the family's corners that are slow in tracking with the given
-    candidate, and ``grow`` asks the whole family.
+    It starts with the family's corners, and ``grow`` asks the whole family. Where feed-forward is
+    not free, the corners that are fast in tracking with the given candidate are left to ``grow``
+    too; free feed-forward decides itself which of them are slow.
     """
 
     def __init__(self, task: Task, start: Choice) -> None:
@@ -77,7 +78,8 @@ class Judge:
         self._sampled = task.study.study.objective.tracking_loop == "sampled"
         self._tracking = self._loaded = task.corners()
         peaks = self.tracking_peaks(start).max(axis=(1, 2))
-        if np.isfinite(peaks).all():
+        free = task.study.study.objective.free_feedforward
+        if np.isfinite(peaks).all() and not free:
             self._tracking = self._tracking[peaks >= _SLOW * peaks.max()]
 
     @property

@@ -51,7 +51,8 @@ def test_json_of_a_comparison_and_a_front_holds_the_agreed_keys(tune, tmp_path):
     assert len(values["front"]) == 2
     assert values["front"][0]["figures"]["k_i_pos"] < values["front"][1]["figures"]["k_i_pos"]
     written = {path.name for path in (tmp_path / "boom").iterdir()}
-    assert written == {"gains.toml", "controllers.svg", "front.svg"}
+    stored = {"gains.toml", "comparison.json", "front.json"}
+    assert written == stored | {"controllers.svg", "front.svg"}
 
 
 def test_tables_name_the_controllers_and_the_points(tune):
