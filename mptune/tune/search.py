@@ -142,7 +142,9 @@ class Search:
             progress(0.7 * (n + 1) / (n + 2))
             if _agree(outcomes) and not self._space.crowded:
                 break
-        best = self._settled(min(outcomes, key=_rank))
+        best = min(outcomes, key=_rank)
+        if not _agree(outcomes):
+            best = self._settled(best)
         if not best.values.feasible:
             best = self._nearest(best)
             best = self._again(best) if best.values.feasible else best
