@@ -65,6 +65,12 @@ def _cache_folder() -> str | None:
     return str(folder) if os.access(folder, os.W_OK) else None
 
 
+def is_compiled(name: str) -> bool:
+    """Return whether the cache holds a kernel of that name, or there is no cache to fill."""
+    folder = _cache_folder()
+    return folder is None or any(Path(folder).rglob(f"*.{name}-*.nbi"))
+
+
 def _compiled(function: _Function, *, parallel: bool = False, inline: str = "never") -> _Function:
     folder = _cache_folder()
     # Numba reads its cache folder when a function is decorated; other users of numba in this

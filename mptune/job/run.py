@@ -34,6 +34,7 @@ from mptune.tune.tuner import tune
 from mptune.verify.gain_limit import machine_gain_limit
 from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
+from mptune.verify.warm import warming_up
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -143,15 +144,16 @@ def run(
         If results cannot be written.
     """
     folder = make_folder(out / study.name)
-    progress("sweep", 0.0)
-    published = sweep(study)
-    progress("tune", 0.0)
-    tuned = tune(study, lambda share: progress("tune", share))
-    progress("linear check", 0.0)
-    moves_before, moves = (
-        linear_moves(study),
-        linear_moves(study, tuned.gains, tuned.feedforward),
-    )
+    with warming_up() as simulator_ready:
+        progress("sweep", 0.0)
+        published = sweep(study)
+        progress("tune", 0.0)
+        tuned = tune(study, lambda share: progress("tune", share))
+        progress("linear check", 0.0)
+        moves_before = linear_moves(study)
+        moves = linear_moves(study, tuned.gains, tuned.feedforward)
+        if tuned.sweep.satisfied:
+            simulator_ready()
     exported = write_gains(
         folder / "gains.toml", gains_file(tuned.sweep, tuned.feedforward, moves, None)
     )
