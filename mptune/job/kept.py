@@ -4,6 +4,7 @@
 
     <out>/<study>/comparison.json    the controllers of ``tune --compare``
     <out>/<study>/front.json         the points of ``tune --front``
+    <out>/<study>/weights.json       the recommendation and the front of ``weights``
     <out>/<study>/identification.nc  the panels of ``identify``
 
 Each says for which model it was made. What belongs to another one is not taken, and neither is
@@ -25,11 +26,11 @@ if TYPE_CHECKING:
 
     from mptune.params.study import ResolvedStudy
 
-_FIGURES = {"comparison": "controllers", "front": "front"}
+_FIGURES = {"comparison": "controllers", "front": "front", "weights": "weights"}
 
 
 def keep(folder: Path, name: str, study: ResolvedStudy, rows: list[dict[str, Any]]) -> Path:
-    """Write the rows of a comparison or of a front, with the model that they belong to."""
+    """Write the rows of a comparison, a front or a search, with the model that they belong to."""
     values = {"study": study.name, "study_hash": study.hash(), "rows": rows}
     return write_whole(folder / f"{name}.json", json.dumps(values, indent=1) + "\n")
 
@@ -42,7 +43,7 @@ def kept(folder: Path, study: ResolvedStudy) -> Kept:
     names += dict.fromkeys(figure_name(panel.valve_delay_s) for panel in panels)
     paths = {name: folder / f"{name}.svg" for name in names}
     figures = {name: path.read_bytes() for name, path in paths.items() if path.is_file()}
-    return Kept(rows["comparison"], rows["front"], panels, figures)
+    return Kept(rows["comparison"], rows["front"], rows["weights"], panels, figures)
 
 
 def _rows(path: Path, study_hash: str) -> tuple[dict[str, Any], ...]:

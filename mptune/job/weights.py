@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import tomlkit
 
 from mptune.campaign.workers import workers
 from mptune.files import make_folder, write_whole
+from mptune.job.kept import keep
 from mptune.params.controller import Controller
 from mptune.tune.weights.trial import Weights
 from mptune.tune.weights.weights import search_weights
@@ -60,8 +61,21 @@ def weights_study(
     files = (
         write_whole(folder / "weights.toml", _section(result)),
         write_whole(folder / "weights.svg", to_svg(weights_figure(result))),
+        keep(folder, "weights", study, _rows(result)),
     )
     return result, files
+
+
+def _rows(result: WeightsResult) -> list[dict[str, Any]]:
+    """Return the study's own weights, the recommended ones and the front, for the report."""
+    values = result.json()
+    front = [{"name": f"trial {one['trial']}", **one} for one in values["front"]]
+    own = {"name": "the study's own", **values["own"]}
+    return [
+        own,
+        {"name": "recommended", "reason": values["reason"], **values["recommended"]},
+        *front,
+    ]
 
 
 def _section(result: WeightsResult) -> str:

@@ -30,6 +30,8 @@ class Kept:
         The controllers of ``tune --compare``, as its JSON has them.
     front
         The points of ``tune --front``, as its JSON has them.
+    weights
+        The weights of ``weights``: the study's own, the recommended ones, the front.
     panels
         Fig. 3's panels of ``identify``.
     figures
@@ -38,6 +40,7 @@ class Kept:
 
     compared: tuple[dict[str, Any], ...] = ()
     front: tuple[dict[str, Any], ...] = ()
+    weights: tuple[dict[str, Any], ...] = ()
     panels: tuple[Panel, ...] = ()
     figures: Mapping[str, bytes] | None = None
 

@@ -16,6 +16,7 @@ from mptune.report.content.identification import identification
 from mptune.report.content.loops import gain_chain, inequalities, loop_plots, sensitivities
 from mptune.report.content.parameters import ledger, parameters
 from mptune.report.content.tradeoff import comparison, front
+from mptune.report.content.weights import weights
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Collection
@@ -32,6 +33,7 @@ SECTIONS: tuple[Callable[[Results], dict[str, Any] | None], ...] = (
     nonlinear_machine,
     comparison,
     front,
+    weights,
     identification,
     parameters,
     ledger,

@@ -11,6 +11,7 @@ from mptune.identify.store import read_panels, write_identification
 from mptune.job.kept import keep, kept
 from mptune.report.content.identification import identification
 from mptune.report.content.tradeoff import comparison, front
+from mptune.report.content.weights import weights
 from mptune.report.results import Kept, Results
 
 FIGURES = {
@@ -26,6 +27,22 @@ ROW = {
     "velocity_worst_ratio": 0.6,
     "position_worst_ratio": 0.4,
     "figures": FIGURES,
+}
+
+
+WEIGHTS = {
+    "name": "recommended",
+    "reason": "it loses less",
+    "weights": {
+        "weight_switching_n": 390.0,
+        "weight_loss_n_per_j": 113.0,
+        "weight_converter_n_s_per_m6": 3e11,
+    },
+    "energy_loss_j_per_mm": 17.7,
+    "performance_index_ms": 19.3,
+    "force_error_integral_kn2s": 43.6,
+    "valve_switches": 543.0,
+    "converter_peak_mm": 52.8,
 }
 
 
@@ -53,9 +70,10 @@ def panel(delay):
 def folder(tmp_path, boom):
     keep(tmp_path, "comparison", boom, [ROW])
     keep(tmp_path, "front", boom, [{"figures": FIGURES, "converged": True}])
+    keep(tmp_path, "weights", boom, [WEIGHTS])
     result = IdentifyResult(boom, Excitation.SINE, (panel(0.0), panel(0.005)))
     write_identification(tmp_path / "identification.nc", result)
-    for name in ("controllers", "front", "identification", "identification-5ms", "else"):
+    for name in ("controllers", "front", "weights", "identification", "identification-5ms", "else"):
         (tmp_path / f"{name}.svg").write_bytes(b"<svg/>")
     return tmp_path
 
@@ -65,7 +83,7 @@ def test_what_belongs_to_the_model_is_taken_with_its_figures(folder, boom):
     assert [row["structure"] for row in found.compared] == ["pi"]
     assert len(found.front) == 1
     assert [one.valve_delay_s for one in found.panels] == [0.0, 0.005]
-    names = {"controllers", "front", "identification", "identification-5ms"}
+    names = {"controllers", "front", "weights", "identification", "identification-5ms"}
     assert set(found.figures) == names
 
 
@@ -79,7 +97,7 @@ def test_panels_come_back_as_they_were(folder, boom):
 
 def test_another_model_s_results_are_left_out(folder, load_boom):
     found = kept(folder, load_boom('load.force="5 kN"'))
-    assert found == Kept((), (), (), {})
+    assert found == Kept((), (), (), (), {})
 
 
 @pytest.mark.parametrize("text", ["", "{", "[]", "null", '{"rows": [1]}'])
@@ -94,7 +112,8 @@ def test_what_cannot_be_read_is_left_out(folder, boom, text):
 
 def test_sections_appear_only_with_their_results(folder, boom):
     empty = Results(boom, None, None, boom.study.feedforward)
-    for make, words in ((comparison, "PI"), (front, "12.30"), (identification, "agrees")):
+    sections = (comparison, "PI"), (front, "12.30"), (weights, "543"), (identification, "agrees")
+    for make, words in sections:
         assert make(empty) is None
         found = Results(boom, None, None, boom.study.feedforward, kept=kept(folder, boom))
         assert words in json.dumps(make(found), ensure_ascii=False)
