@@ -2,18 +2,23 @@
 
 Python raises an interrupt wherever the main thread is, and drops it there if that is a destructor.
 Workers get the same signal from the terminal, and their end may be noticed first. Neither may keep
-a campaign from stopping.
+a campaign from stopping. And numba does not bear an interrupt while it compiles or loads a kernel:
+the process may crash. A first Ctrl-C waits for the kernel's end, a second one does not.
 """
 
 from __future__ import annotations
 
 import signal
+import sys
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
     from types import FrameType
+
+
+_GLANCE = 0.02  # s, between looks at whether a kernel is still being compiled
 
 
 @contextmanager
@@ -27,16 +32,18 @@ def interruptible() -> Iterator[Callable[[], None]]:
     """
     asked = False
 
-    def interrupt(_number: int, _frame: FrameType | None) -> None:
+    def interrupt(_number: int, frame: FrameType | None) -> None:
         nonlocal asked
-        asked = True
-        raise KeyboardInterrupt
+        first, asked = not asked, True
+        sys.unraisablehook = lambda *_: None  # what is torn apart half-made complains in vain
+        if not first or not _put_off(frame):
+            raise KeyboardInterrupt
 
     def check() -> None:
         if asked:
             raise KeyboardInterrupt
 
-    before = signal.signal(signal.SIGINT, interrupt)
+    before, hook = signal.signal(signal.SIGINT, interrupt), sys.unraisablehook
     try:
         yield check
     except Exception as error:
@@ -45,3 +52,28 @@ def interruptible() -> Iterator[Callable[[], None]]:
         raise
     finally:
         signal.signal(signal.SIGINT, before)
+        sys.unraisablehook = hook
+
+
+def _put_off(frame: FrameType | None) -> bool:
+    """Raise the interrupt as soon as numba has done, if it is at work now."""
+    if not _in_numba(frame) or not hasattr(signal, "setitimer"):
+        return False
+
+    def again(_number: int, frame: FrameType | None) -> None:
+        if _in_numba(frame):
+            return
+        signal.setitimer(signal.ITIMER_REAL, 0)
+        raise KeyboardInterrupt
+
+    signal.signal(signal.SIGALRM, again)
+    signal.setitimer(signal.ITIMER_REAL, _GLANCE, _GLANCE)
+    return True
+
+
+def _in_numba(frame: FrameType | None) -> bool:
+    while frame is not None:
+        if frame.f_globals.get("__name__", "").startswith(("numba", "llvmlite")):
+            return True
+        frame = frame.f_back
+    return False

@@ -106,7 +106,9 @@ def test_tuned_gains_meet_every_requirement_and_bound_and_track_better(tuned_boo
 
 
 def test_the_same_study_gives_the_same_gains(load_boom, tuned_boom):
-    assert tune(load_boom(corners=True)).gains == tuned_boom.gains
+    """To the solver's own precision: a warm solver ends elsewhere in the ninth digit."""
+    again = tune(load_boom(corners=True)).gains.model_dump()
+    assert again == pytest.approx(tuned_boom.gains.model_dump(), rel=1e-6)
 
 
 def test_the_whole_family_keeps_what_is_asked_of_it(load_boom):
