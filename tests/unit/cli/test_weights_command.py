@@ -32,7 +32,8 @@ def test_a_search_leaves_weights_figure_and_database_and_goes_on(cli, tmp_path, 
     assert out.count("\n") == 1
     assert values["trials"] == 4
     folder = tmp_path / "boom"
-    assert {path.name for path in folder.iterdir()} == {"weights.db", "weights.toml", "weights.svg"}
+    left = {"weights.db", "weights.json", "weights.toml", "weights.svg"}
+    assert {path.name for path in folder.iterdir()} == left
     text = (folder / "weights.toml").read_text(encoding="utf-8")
     section = tomllib.loads(text)["controller"]
     recommended = values["recommended"]["weights"]
