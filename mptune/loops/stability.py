@@ -35,28 +35,27 @@ _CIRCLE: ComplexArray = np.exp(2j * np.pi * np.arange(64) / 64)
 
 
 class DeadTimeLoop(Protocol):
-    """N loops L(s), strictly proper in the right half plane, whose growth can be bounded.
-
-    Attributes
-    ----------
-    integrators
-        Number k of open-loop poles at the origin.
-    leading
-        ``(N,)`` the real c in L(s) → c/s^k as s → 0; unused where k = 0.
-    radius
-        ``(N,)`` radius of a disc about the origin that holds no other open-loop pole [rad/s].
-    tail
-        ``(N,)`` frequency beyond which |L(s)| ≤ 1/2 wherever Re s ≥ 0 [rad/s].
-    """
+    """N loops L(s), strictly proper in the right half plane, whose growth can be bounded."""
 
     @property
-    def integrators(self) -> int: ...  # noqa: D102
+    def integrators(self) -> int:
+        """Number k of open-loop poles at the origin."""
+        ...
+
     @property
-    def leading(self) -> FloatArray: ...  # noqa: D102
+    def leading(self) -> FloatArray:
+        """``(N,)``: the real c in L(s) → c/s^k as s → 0; unused where k = 0."""
+        ...
+
     @property
-    def radius(self) -> FloatArray: ...  # noqa: D102
+    def radius(self) -> FloatArray:
+        """``(N,)``: of a disc about the origin that holds no other open-loop pole [rad/s]."""
+        ...
+
     @property
-    def tail(self) -> FloatArray: ...  # noqa: D102
+    def tail(self) -> FloatArray:
+        """``(N,)``: frequency beyond which |L(s)| ≤ 1/2 wherever Re s ≥ 0 [rad/s]."""
+        ...
 
     def response(self, s: ComplexArray, rows: IntArray) -> ComplexArray:
         """Return L(s[i]) of loop rows[i]."""

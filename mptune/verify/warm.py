@@ -34,7 +34,7 @@ def warming_up() -> Iterator[Callable[[], None]]:
         return
     command = [sys.executable, "-m", "mptune.verify.warm"]
     silent = subprocess.DEVNULL
-    process = subprocess.Popen(command, stdin=silent, stdout=silent, stderr=silent)  # noqa: S603
+    process = subprocess.Popen(command, stdin=silent, stdout=silent, stderr=silent)  # noqa: S603 - our own module
 
     def wait() -> None:
         with suppress(subprocess.TimeoutExpired):
