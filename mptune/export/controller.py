@@ -6,7 +6,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from mptune.params.gains import version
-from mptune.robust.result import finite
+from mptune.robust.place import finite
 
 if TYPE_CHECKING:
     from mptune.export.margins import WrittenMargins

@@ -30,7 +30,7 @@ from mptune.params.pack import (
 )
 from mptune.robust.condition import sides
 from mptune.robust.grid import first_grid, frequency_range
-from mptune.robust.result import PlantPoint, finite, plant_point
+from mptune.robust.place import PlantPoint, finite, plant_point
 
 if TYPE_CHECKING:
     from collections.abc import Callable

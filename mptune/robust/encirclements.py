@@ -24,7 +24,8 @@ from mptune.params.pack import (
 )
 
 if TYPE_CHECKING:
-    from mptune.robust.result import PlantPoint, SweepResult
+    from mptune.robust.place import PlantPoint
+    from mptune.robust.result import SweepResult
 
 
 @dataclass(frozen=True)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
@@ -11,6 +11,7 @@ import numpy as np
 from mptune.arrays import frozen
 from mptune.loops.broken import FORCE
 from mptune.loops.family import derived_time_constants
+from mptune.robust.place import PlantPoint, finite, plant_point
 
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, FloatArray, IntArray
@@ -30,48 +31,6 @@ class Status(StrEnum):
     UNDECIDED = "undecided"  # a loop passes through the critical point as far as can be told
     NOT_CONVERGED = "not converged"  # the worst ratio still moved when refinement ended
     NOT_EVALUATED = "not evaluated"  # the study leaves no loop on which it could be checked
-
-
-def finite(value: float) -> float | None:
-    """Return the value, or None where it is NaN or infinite, which JSON cannot say."""
-    return value if np.isfinite(value) else None
-
-
-@dataclass(frozen=True)
-class PlantPoint:
-    """A plant of the family at a frequency.
-
-    A measured member has the name of its ``response``, and neither delay nor lags of its own: NaN.
-    """
-
-    mass_kg: float
-    delay_s: float
-    tau_a_s: float
-    tau_b_s: float
-    frequency_rad_s: float
-    response: str | None = None
-
-    def values(self) -> dict[str, float | str | None]:
-        """Return the fields by name, as JSON has them; ``response`` of measured members only."""
-        values: dict[str, float | str | None] = {
-            field.name: finite(getattr(self, field.name))
-            for field in fields(self)
-            if field.name != "response"
-        }
-        return values if self.response is None else {**values, "response": self.response}
-
-
-def plant_point(
-    plants: Plants, index: int, frequency: float, responses: tuple[str, ...] = ()
-) -> PlantPoint:
-    """Return one plant of a family at a frequency [rad/s].
-
-    The last of the ``plants`` are measured members, whose ``responses`` are named.
-    """
-    mass, delay, tau_a, tau_b = (float(column[index]) for column in plants)
-    member = int(index) - (len(plants.mass) - len(responses))
-    name = responses[member] if member >= 0 else None
-    return PlantPoint(mass, delay, tau_a, tau_b, float(frequency), name)
 
 
 @dataclass(frozen=True)

@@ -27,7 +27,8 @@ from mptune.robust.condition import Sides, sides
 from mptune.robust.grid import first_grid, frequency_range, refinement
 from mptune.robust.margins import Margins, family_margins, sampled_margins
 from mptune.robust.measured import Members, members_of, whole_family
-from mptune.robust.result import Condition, Family, Status, SweepResult, plant_point
+from mptune.robust.place import plant_point
+from mptune.robust.result import Condition, Family, Status, SweepResult
 from mptune.robust.verdict import allowed_ratio, check_requirements
 
 if TYPE_CHECKING:

@@ -11,7 +11,8 @@ from mptune.robust.result import MARGINS
 from mptune.units import number
 
 if TYPE_CHECKING:
-    from mptune.robust.result import MarginFigure, PlantPoint, SweepResult
+    from mptune.robust.place import PlantPoint
+    from mptune.robust.result import MarginFigure, SweepResult
 
 EQUATIONS = {"velocity": "Eq. 17", "position": "Eq. 21"}
 

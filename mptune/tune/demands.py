@@ -26,7 +26,7 @@ from mptune.robust.verdict import allowed_ratio
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
     from mptune.params.pack import LoopGains
-    from mptune.robust.result import PlantPoint
+    from mptune.robust.place import PlantPoint
     from mptune.tune.task import Task
 
 WINDOWS = 40  # of frequency, each judged by its largest ratio

@@ -6,11 +6,12 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
-from mptune.robust.result import finite
+from mptune.robust.place import finite
 
 if TYPE_CHECKING:
     from mptune.params.controller import Feedforward, Gains
-    from mptune.robust.result import PlantPoint, SweepResult
+    from mptune.robust.place import PlantPoint
+    from mptune.robust.result import SweepResult
     from mptune.tune.objective import Figures
     from mptune.tune.velocity import VelocityGain
 

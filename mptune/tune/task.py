@@ -21,7 +21,7 @@ from mptune.params.pack import (
 )
 from mptune.robust.condition import Sides, sides
 from mptune.robust.measured import Members, members_of, whole_family
-from mptune.robust.result import PlantPoint, plant_point
+from mptune.robust.place import PlantPoint, plant_point
 from mptune.sim.moves import Moves, moves_of
 
 if TYPE_CHECKING:
