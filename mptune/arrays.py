@@ -11,13 +11,14 @@ Shapes are written with these letters everywhere:
 
 Kernels are compiled by numba without fast-math. Numba notices changes in a kernel's own file but
 not in the functions it calls in other files, so the compiled code is kept in a folder named after
-the version and a hash of every source file of mptune: a change anywhere starts a fresh cache.
+a hash of every source file that kernels are made of: a change in any starts a fresh cache.
 """
 
 from __future__ import annotations
 
 import hashlib
 import os
+import re
 from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, TypeVar, cast
@@ -41,15 +42,30 @@ Real = Any
 
 _Function = TypeVar("_Function", bound="Callable[..., Any]")
 
+_DEFINES_KERNEL = re.compile(r"^@(?:\w+_)?kernel\b", re.MULTILINE)
+_IMPORTED = re.compile(r"^\s*from (mptune[\w.]*) import (\([^)]*\)|.*)", re.MULTILINE)
+
 
 @cache
-def source_hash() -> str:
-    """Return a short hash of mptune's own source files."""
+def source_hash(package: Path = Path(__file__).parent) -> str:
+    """Return a short hash of the files that define kernels and of all of mptune that they import.
+
+    Imports for type checking count too: they name the tuples whose layout is compiled in.
+    """
+    texts = {path: path.read_text(encoding="utf-8") for path in sorted(package.rglob("*.py"))}
+    todo = {path for path, text in texts.items() if _DEFINES_KERNEL.search(text)}
+    done: set[Path] = set()
+    while todo:
+        path = todo.pop()
+        done.add(path)
+        for module, names in _IMPORTED.findall(texts[path]):
+            place = package.joinpath(*module.split(".")[1:])
+            for name in ("__init__", *re.findall(r"\w+", names)):
+                todo |= {place / f"{name}.py", place.with_suffix(".py")} & texts.keys() - done
     digest = hashlib.sha256()
-    package = Path(__file__).parent
-    for path in sorted(package.rglob("*.py")):
+    for path in sorted(done):
         digest.update(str(path.relative_to(package)).encode())
-        digest.update(path.read_bytes())
+        digest.update(texts[path].encode())
     return digest.hexdigest()[:16]
 
 
