@@ -44,8 +44,8 @@ if TYPE_CHECKING:
     from mptune.params.paper import LEDGER, PUBLISHED_GAINS
     from mptune.robust.chain import chain
     from mptune.robust.sweep import sweep
+    from mptune.shape.design import design
     from mptune.sim.sampled import linear_moves
-    from mptune.tune.design import design
     from mptune.tune.tuner import tune as tune_gains
     from mptune.verify.verify import verify as verify_gains
 
@@ -59,7 +59,7 @@ _HOMES = {
     "OutputError": ("mptune.errors", "OutputError"),
     "PUBLISHED_GAINS": ("mptune.params.paper", "PUBLISHED_GAINS"),
     "chain": ("mptune.robust.chain", "chain"),
-    "design": ("mptune.tune.design", "design"),
+    "design": ("mptune.shape.design", "design"),
     "fit_response": ("mptune.identify.fit", "fit"),
     "identify_loop": ("mptune.identify.identify", "identify"),
     "linear_moves": ("mptune.sim.sampled", "linear_moves"),

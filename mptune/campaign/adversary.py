@@ -16,7 +16,7 @@ import numpy as np
 
 from mptune.campaign.draw import Draw
 from mptune.campaign.result import LEAST_IS_WORST, draw_json
-from mptune.campaign.simulate import FIGURES, Controlled, Rows, simulate_rows
+from mptune.campaign.simulate import FIGURES, Controlled, RunRows, simulate_rows
 from mptune.errors import Fault, InputError
 from mptune.params.gains import version
 
@@ -150,13 +150,13 @@ def _inside(plan: Plan, unit: FloatArray) -> Draw:
     return Draw(*map(float, values))
 
 
-def _run(plan: Plan, draws: list[Draw], numbers: list[int], team: Workers) -> Rows:
+def _run(plan: Plan, draws: list[Draw], numbers: list[int], team: Workers) -> RunRows:
     """Run each draw under the noise of the run of that number."""
     shared = Controlled(plan.study, plan.gains, plan.feedforward)
     jobs = list(zip(numbers, draws, strict=True))
     tasks = ((shared, jobs[k : k + _BLOCK], version()) for k in range(0, len(jobs), _BLOCK))
     rows = list(team.results(simulate_rows, tasks))
-    return Rows(
+    return RunRows(
         [number for one in rows for number in one.number],
         np.concatenate([one.figures for one in rows]),
         [status for one in rows for status in one.status],
@@ -164,7 +164,7 @@ def _run(plan: Plan, draws: list[Draw], numbers: list[int], team: Workers) -> Ro
     )
 
 
-def _badness(figure: str, rows: Rows) -> FloatArray:
+def _badness(figure: str, rows: RunRows) -> FloatArray:
     values = rows.figures[:, FIGURES.index(figure)]
     signed = -values if figure in LEAST_IS_WORST else values
     return np.where(np.isfinite(signed), signed, _NO_FIGURE)

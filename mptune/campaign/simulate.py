@@ -54,7 +54,7 @@ class Controlled(NamedTuple):
     feedforward: Feedforward
 
 
-class Rows(NamedTuple):
+class RunRows(NamedTuple):
     """Runs as they are stored."""
 
     number: list[int]
@@ -73,7 +73,7 @@ def simulate(shared: Controlled, draw: Draw, index: int) -> CaseResult:
 
 def simulate_rows(
     shared: Controlled, draws: Iterable[tuple[int, Draw]], wanted_version: str
-) -> Rows:
+) -> RunRows:
     """Run some draws.
 
     Raises
@@ -99,7 +99,7 @@ def simulate_rows(
         figures.append(figures_of(case))
         status.append(case.status.value)
         reason.append(reason_of(case, shared.study.study.campaign.limits))
-    return Rows(numbers, np.array(figures).reshape(-1, len(FIGURES)), status, reason)
+    return RunRows(numbers, np.array(figures).reshape(-1, len(FIGURES)), status, reason)
 
 
 def figures_of(case: CaseResult) -> FloatArray:

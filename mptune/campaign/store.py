@@ -14,7 +14,7 @@ import numpy as np
 
 from mptune.campaign.draw import PARAMETER_UNITS
 from mptune.campaign.result import CampaignResult
-from mptune.campaign.simulate import FIGURES, Rows
+from mptune.campaign.simulate import FIGURES, RunRows
 from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole_with
 
@@ -84,7 +84,7 @@ class CampaignStore:
             return None
         return self._result(dataset)
 
-    def write_chunk(self, number: int, rows: Sequence[Rows]) -> None:
+    def write_chunk(self, number: int, rows: Sequence[RunRows]) -> None:
         """Write one chunk, whole or not at all.
 
         Raises

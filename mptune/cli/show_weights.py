@@ -5,14 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.cli.show import console, new_table, verdict
-from mptune.tune.weights.trial import OBJECTIVES
 from mptune.units import number
+from mptune.weigh.trial import OBJECTIVES
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from mptune.tune.weights.result import WeightsResult
-    from mptune.tune.weights.trial import Trial
+    from mptune.weigh.result import WeightsResult
+    from mptune.weigh.trial import Trial
 
 _HEADINGS = ("W_sw\n[N]", "W_loss\n[N/J]", "W_conv\n[N s/m⁶]", "T_S\n[ms]", "loss\n[J/mm]",
              "index\n[ms]", "∫ΔF²\n[kN² s]", "switches\n[–]", "converter\n[mm]")  # fmt: skip

@@ -9,8 +9,8 @@ from mptune.params.gains import version
 from mptune.robust.place import finite
 
 if TYPE_CHECKING:
+    from mptune.export.constants import Numbers
     from mptune.export.margins import WrittenMargins
-    from mptune.export.numbers import Numbers
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.gains import GainsFile
     from mptune.params.study import ResolvedStudy

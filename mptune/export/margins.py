@@ -11,7 +11,7 @@ from mptune.robust.sweep import sweep
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mptune.export.written import Written
+    from mptune.export.as_written import Written
     from mptune.params.controller import Gains
     from mptune.params.requirements import GainBounds
     from mptune.params.study import ResolvedStudy

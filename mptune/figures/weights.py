@@ -13,8 +13,8 @@ if TYPE_CHECKING:
 
     from matplotlib.figure import Figure
 
-    from mptune.tune.weights.result import WeightsResult
-    from mptune.tune.weights.trial import Trial
+    from mptune.weigh.result import WeightsResult
+    from mptune.weigh.trial import Trial
 
 _LABELS = {
     "energy_loss_j_per_mm": "Energy loss [J/mm]",

@@ -40,7 +40,7 @@ class Setting(NamedTuple):
     position: float  # m
 
 
-class Found(NamedTuple):
+class RunResponse(NamedTuple):
     """What one run found at the operating points of one velocity."""
 
     omega: FloatArray  # (F,)
@@ -145,7 +145,7 @@ def _start_pressures(study: ResolvedStudy) -> tuple[list[float], list[bool]]:
 
 def run_points(
     study: ResolvedStudy, setting: Setting, run: Run, velocity: float, least_quality: float
-) -> Found:
+) -> RunResponse:
     """Simulate one run at each start pressure of one velocity, and take the responses."""
     machine = pack_machine(study, 1.0, setting.oil_bulk_modulus, 0.0)  # the piston is held
     signals, settings = pack_signals(study.study.controller), pack_force(study)
@@ -177,10 +177,10 @@ def run_points(
     status[outside > _OUTSIDE] = FitStatus.OUT_OF_RANGE
     status[~finite] = FitStatus.NOT_FINITE
     response[status != FitStatus.FITTED] = np.nan
-    return Found(omega, response, quality, status)
+    return RunResponse(omega, response, quality, status)
 
 
-def _panel(study: ResolvedStudy, setting: Setting, found: list[Found]) -> Panel:
+def _panel(study: ResolvedStudy, setting: Setting, found: list[RunResponse]) -> Panel:
     """Put the runs of a panel together; they come run by run, each velocity by velocity."""
     velocities = study.study.identification.velocities
     starts, usable = _start_pressures(study)

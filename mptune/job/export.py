@@ -7,13 +7,13 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
+from mptune.export.as_written import rounded_section, written_gains
 from mptune.export.c_source import c_sources
+from mptune.export.constants import controller_numbers
 from mptune.export.controller import Controller
 from mptune.export.formats import Format, Precision
 from mptune.export.margins import written_margins
-from mptune.export.numbers import controller_numbers
 from mptune.export.table import as_json, as_toml
-from mptune.export.written import rounded_section, written_gains
 from mptune.files import make_folder, write_whole
 from mptune.params.gains import accepted_gains, now, read_gains
 from mptune.params.load import load_study

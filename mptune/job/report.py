@@ -4,10 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.job.kept import kept
+from mptune.job.leftovers import leftovers
 from mptune.report.content.closed_loop import machine_figure
 from mptune.report.results import Results
-from mptune.robust.drivers import drivers
+from mptune.robust.one_at_a_time import one_at_a_time
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -62,7 +62,7 @@ def report(
     from mptune.report.web import write_html
 
     results = results_of(out, result, counts)
-    drawn = {**figures, **(results.kept.figures or {})}
+    drawn = {**figures, **(results.leftovers.figures or {})}
     words = document(results, drawn)
     name = result.study.name
     return (
@@ -85,7 +85,7 @@ def results_of(out: Path, result: JobResult, counts: tuple[Encirclements, ...]) 
         verified=result.verified,
         chain=result.chain,
         encirclements=counts,
-        drivers=drivers(swept),
-        kept=kept(out / result.study.name, result.study),
+        influences=one_at_a_time(swept),
+        leftovers=leftovers(out / result.study.name, result.study),
         satisfied=result.satisfied,
     )

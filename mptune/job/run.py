@@ -32,9 +32,9 @@ from mptune.sim.sampled import linear_moves
 from mptune.tune.baselines import Baseline, baselines
 from mptune.tune.tuner import tune
 from mptune.verify.gain_limit import machine_gain_limit
+from mptune.verify.precompile import precompiling
 from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
-from mptune.verify.warm import warming_up
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -144,7 +144,7 @@ def run(
         If results cannot be written.
     """
     folder = make_folder(out / study.name)
-    with warming_up() as simulator_ready:
+    with precompiling() as simulator_ready:
         progress("sweep", 0.0)
         published = sweep(study)
         progress("tune", 0.0)

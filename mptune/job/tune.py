@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, Any
 from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
-from mptune.job.kept import keep
+from mptune.job.leftovers import keep
 from mptune.params.gains import write_gains
 from mptune.sim.sampled import linear_moves
 from mptune.tune.baselines import Baseline, baselines

@@ -8,17 +8,17 @@ import tomlkit
 
 from mptune.campaign.workers import workers
 from mptune.files import make_folder, write_whole
-from mptune.job.kept import keep
+from mptune.job.leftovers import keep
 from mptune.params.controller import Controller
-from mptune.tune.weights.trial import Weights
-from mptune.tune.weights.weights import search_weights
+from mptune.weigh.trial import Weights
+from mptune.weigh.weigh import search_weights
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
     from pathlib import Path
 
     from mptune.params.study import ResolvedStudy
-    from mptune.tune.weights.result import WeightsResult
+    from mptune.weigh.result import WeightsResult
 
 
 def weights_study(

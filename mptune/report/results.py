@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from mptune.params.controller import Feedforward
     from mptune.params.study import ResolvedStudy
     from mptune.robust.chain import Link
-    from mptune.robust.drivers import Driver
     from mptune.robust.encirclements import Encirclements
+    from mptune.robust.one_at_a_time import Influence
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
     from mptune.tune.result import TuneResult
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 @dataclass(frozen=True)
-class Kept:
+class Leftovers:
     """What other commands have left in the study's folder, for the same model.
 
     Attributes
@@ -62,6 +62,6 @@ class Results:
     verified: VerifyResult | None = None
     chain: tuple[Link, ...] = ()
     encirclements: tuple[Encirclements, ...] = ()
-    drivers: tuple[Driver, ...] = ()
-    kept: Kept = Kept()
+    influences: tuple[Influence, ...] = ()
+    leftovers: Leftovers = Leftovers()
     satisfied: bool = False

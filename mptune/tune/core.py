@@ -26,10 +26,7 @@ from mptune.robust.condition import nominal_loops
 from mptune.robust.grid import frequency_range
 from mptune.robust.sweep import CONVERGED
 from mptune.robust.verdict import allowed_ratio
-from mptune.signals.conditioning import filter_response
-from mptune.signals.differentiator import differentiator_over_s
-from mptune.tune.position_limits import damping_limits, frequency_limits
-from mptune.tune.problem import (
+from mptune.shape.problem import (
     Function,
     Linear,
     Loops,
@@ -39,14 +36,17 @@ from mptune.tune.problem import (
     Problem,
     WeightedSensitivity,
 )
-from mptune.tune.shaping import Shaped, shape_loop
-from mptune.tune.structure import Structure, position, position_gains, position_parameters
+from mptune.shape.shaping import Shaped, shape_loop
+from mptune.shape.structure import Structure, position, position_gains, position_parameters
+from mptune.signals.conditioning import filter_response
+from mptune.signals.differentiator import differentiator_over_s
+from mptune.tune.position_limits import damping_limits, frequency_limits
 
 if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray, IntArray
     from mptune.params.pack import MeasurementPath, Plants
-    from mptune.tune.problem import Between, Requirement
-    from mptune.tune.task import Task
+    from mptune.robust.model import Task
+    from mptune.shape.problem import Between, Requirement
 
 _POINTS = 250
 _NOISE_POINTS = 400

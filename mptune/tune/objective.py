@@ -15,9 +15,9 @@ from mptune.sim.sampled import SampledPlant, run_linear
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
     from mptune.params.requirements import Objective
+    from mptune.robust.model import Task
     from mptune.sim.moves import Moves
     from mptune.tune.space import Choice
-    from mptune.tune.task import Task
 
 BINS = 16  # of time: the error's peak in each is a smooth function of the gains
 _SAMPLES_PER_MOVE = 20 * BINS

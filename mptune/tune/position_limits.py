@@ -6,12 +6,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.tune.curved import Concave, Cone
-from mptune.tune.problem import Linear
+from mptune.shape.cones import Concave, Cone
+from mptune.shape.problem import Linear
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.tune.problem import Requirement
+    from mptune.shape.problem import Requirement
 
 _LEAST = 1e-12  # of x_0 and x_2 in ratios of theirs
 

@@ -25,7 +25,7 @@ class TuneStatus(StrEnum):
 
 
 @dataclass(frozen=True)
-class Relief:
+class Concession:
     """How far one requirement would have to give, if all the others stay.
 
     ``factor`` multiplies the allowed value (divides it, for a margin); NaN where the others alone
@@ -44,7 +44,7 @@ class Blocking:
     least_found: float
     at: PlantPoint | None
     remedy: str
-    reliefs: tuple[Relief, ...] = ()
+    reliefs: tuple[Concession, ...] = ()
 
     def json(self) -> dict[str, Any]:
         """Return the block, as JSON has it."""

@@ -7,21 +7,21 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.tune.demands import Demands
-from mptune.tune.first import first_points
+from mptune.tune.excesses import Excesses
 from mptune.tune.objective import Judge, weights_of
 from mptune.tune.polish import Polished, Values, polish
-from mptune.tune.result import Relief, Round
+from mptune.tune.result import Concession, Round
 from mptune.tune.space import Choice, Space, space_of
+from mptune.tune.starts import first_points
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable
 
     from mptune.arrays import FloatArray
     from mptune.params.section import Range
-    from mptune.tune.demands import Found
+    from mptune.robust.model import Task
+    from mptune.tune.excesses import Excess
     from mptune.tune.objective import Figures
-    from mptune.tune.task import Task
 
 _ROUNDS = 8
 _REPEATS, _GAINED = 6, 1e-3  # of a polish, and what makes another one worth its while
@@ -48,7 +48,7 @@ class Searched:
     choice: Choice
     feasible: bool
     converged: bool
-    worst: tuple[Found, ...]
+    worst: tuple[Excess, ...]
     binding: tuple[str, ...]
     rounds: tuple[Round, ...]
     evaluations: int
@@ -61,7 +61,7 @@ def nothing(choice: Choice) -> Searched:
     )
 
 
-class Search:
+class GainSearch:
     """One structure's search within one task.
 
     Parameters
@@ -93,7 +93,7 @@ class Search:
         self._space = space_of(task, largest_velocity_gain, structure, extra)
         own = task.start.k_p_vel if self._space.crowded else largest_velocity_gain
         self._start = task.start._replace(k_p_vel=min(own, largest_velocity_gain))
-        self._demands = Demands(task, self._start)
+        self._required = Excesses(task, self._start)
         self._weights = weights_of(task.study.study.objective)
         self._kept: dict[str, float] = {}  # earlier objectives and the most that they may become
         self._evaluations = 0
@@ -122,7 +122,7 @@ class Search:
             found = better if better.feasible else found
         return found
 
-    def reliefs(self, found: Searched) -> tuple[Relief, ...]:
+    def reliefs(self, found: Searched) -> tuple[Concession, ...]:
         """Return how far each requirement would have to give, on the plants that bind."""
         names = np.array(self._names())
         reliefs = []
@@ -132,7 +132,7 @@ class Search:
             excesses = outcome.values.excesses
             met = excesses[~mask].max(initial=-1.0) <= _MET
             factor = float(np.exp(max(excesses[mask].max(), 0.0))) if met else np.nan
-            reliefs.append(Relief(name, factor))
+            reliefs.append(Concession(name, factor))
         return tuple(reliefs)
 
     def _improve(self, starts: Iterable[FloatArray], progress: Callable[[float], None]) -> Searched:
@@ -152,10 +152,10 @@ class Search:
         for n in range(_ROUNDS):
             best = self._again(best) if n > 0 else best
             choice = self._space.choice(best.point)
-            worst, more = self._demands.grow(choice.gains)
+            worst, more = self._required.grow(choice.gains)
             _, slower = self._judge.grow(choice, (*self._weights, *self._kept))
             largest = max(one.excess for one in worst)
-            plants = self._demands.plants + self._judge.plants
+            plants = self._required.plants + self._judge.plants
             cost = self._evaluate(best.point).cost
             rounds.append(Round(cost, float(np.exp(largest)), plants))
             if not (more or slower):
@@ -163,7 +163,7 @@ class Search:
         feasible = best.values.feasible and largest <= _MET
         if not feasible:
             best = self._nearest(best)
-            worst = self._demands.worst(self._space.choice(best.point).gains)
+            worst = self._required.worst(self._space.choice(best.point).gains)
             feasible = max(one.excess for one in worst) <= _MET
         progress(1.0)
         return Searched(
@@ -238,11 +238,11 @@ class Search:
         kept = [
             np.log(self._values(choice, kind).ravel() / most) for kind, most in self._kept.items()
         ]
-        return np.concatenate([self._demands.excesses(choice.gains), *kept])
+        return np.concatenate([self._required.of(choice.gains), *kept])
 
     def _names(self) -> list[str]:
         """Return the name behind each excess."""
-        names = [*self._demands.names]
+        names = [*self._required.names]
         for kind in self._kept:
             count = np.size(self._values(self._space.choice(self._space.low), kind))
             names += [f"objective {kind}"] * count

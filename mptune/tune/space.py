@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mptune.params.controller import Feedforward
     from mptune.params.pack import LoopGains
     from mptune.params.section import Range
-    from mptune.tune.task import Task
+    from mptune.robust.model import Task
 
 STRUCTURES = ("p", "pi", "pid", "eq22")
 _OF_STRUCTURE = {

@@ -7,13 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.params.controller import Gains
+from mptune.robust.model import Task
 from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
 from mptune.tune.objective import Judge
 from mptune.tune.result import Blocking, TuneResult, TuneStatus
-from mptune.tune.search import Search, Searched, nothing
+from mptune.tune.search import GainSearch, Searched, nothing
 from mptune.tune.space import Choice
-from mptune.tune.task import Task
 from mptune.tune.velocity import largest_velocity_gain
 
 if TYPE_CHECKING:
@@ -121,10 +121,10 @@ class Tuner:
         extra: dict[str, Range] | None = None,
         first: Choice | None = None,
         progress: Callable[[float], None] = lambda _share: None,
-    ) -> tuple[Search, Searched]:
+    ) -> tuple[GainSearch, Searched]:
         """Return a search and its outcome, without the whole family's verdict."""
         k_p_vel = self._velocity.k_p_vel
-        search = Search(self._task, self._judge, self._before, k_p_vel, structure, extra)
+        search = GainSearch(self._task, self._judge, self._before, k_p_vel, structure, extra)
         return search, search.run(first, progress)
 
     def _result(
@@ -151,7 +151,7 @@ class Tuner:
             evaluations=found.evaluations,
         )
 
-    def _search_blocking(self, search: Search, found: Searched) -> Blocking:
+    def _search_blocking(self, search: GainSearch, found: Searched) -> Blocking:
         """Return the requirement that the search could not meet, and how far each would give."""
         worst = max(found.worst, key=lambda one: one.excess)
         reliefs = search.reliefs(found)

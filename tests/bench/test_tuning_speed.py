@@ -11,11 +11,11 @@ import pytest
 from scipy.optimize import differential_evolution
 
 from mptune.params.load import load_study
+from mptune.robust.model import Task
 from mptune.tune.core import Core
 from mptune.tune.objective import Judge
-from mptune.tune.search import Search
+from mptune.tune.search import GainSearch
 from mptune.tune.space import Choice
-from mptune.tune.task import Task
 from mptune.tune.tuner import Tuner, tune
 from mptune.verify.verify import verify
 
@@ -73,7 +73,7 @@ def test_a_global_search_needs_a_hundred_times_as_many_candidates(load_boom):
     task = Task.of(study)
     judge = Judge(task, Choice(task.start, task.study.study.feedforward))
     before = judge.figures(Choice(task.start, study.study.feedforward))
-    search = Search(task, judge, before, found.gains.k_p_vel)
+    search = GainSearch(task, judge, before, found.gains.k_p_vel)
     calls = []
 
     def cost(point):

@@ -177,7 +177,7 @@ def _baselines(results: Results) -> list[Block]:
             f"{1e3 * one['figures']['tracking_index_s']:.1f}",
             verdict(one["status"] or "not tuned", good=one["satisfied"]),
         ]
-        for one in results.kept.compared
+        for one in results.leftovers.compared
     ]
     columns = [*left("Controller"), *right("Tracking index [ms]"), *left("Status")]
     words = "Beside simpler controllers under the same requirements"

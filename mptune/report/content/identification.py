@@ -28,7 +28,7 @@ _SHORT = 24  # rows of a table that is kept on one page
 
 def identification(results: Results) -> dict[str, Any] | None:
     """Return Fig. 3's panels and their agreement with theory."""
-    panels = results.kept.panels
+    panels = results.leftovers.panels
     if not panels:
         return None
     figures = [
@@ -37,7 +37,7 @@ def identification(results: Results) -> dict[str, Any] | None:
             "Simulated responses of the force loop at each operating point, their median, and "
             "Eq. 11 with its delay.",
         )
-        for name in sorted(results.kept.figures or ())
+        for name in sorted(results.leftovers.figures or ())
         if name.startswith("identification")
     ]
     columns = [wide("Panel"), *right("Band [rad/s]", "Median, off by [dB]", "[°]", "Within")]

@@ -22,7 +22,7 @@ from mptune.report.blocks import (
     wide,
 )
 from mptune.robust.chain import factor_text
-from mptune.robust.drivers import PARAMETERS
+from mptune.robust.one_at_a_time import PARAMETERS
 from mptune.robust.tables import EQUATIONS, margin_rows, place_text
 from mptune.units import number, shown
 
@@ -69,7 +69,7 @@ def inequalities(results: Results) -> dict[str, Any]:
             "grid of plants and frequencies can only miss higher ratios: the figures err on the "
             "optimistic side, along frequency by less than 10⁻⁴."
         ),
-        *_drivers(results),
+        *_influences(results),
         new_page=True,
     )
 
@@ -100,12 +100,12 @@ def _condition(label: str, condition: Condition) -> list[str | Cell]:
     ]
 
 
-def _drivers(results: Results) -> list[Block]:
-    if not results.drivers:
+def _influences(results: Results) -> list[Block]:
+    if not results.influences:
         return []
     words = {name: (unit, mark, meaning) for name, unit, mark, meaning in PARAMETERS}
     rows: list[list[str | Cell]] = []
-    for one in results.drivers:
+    for one in results.influences:
         unit, mark, meaning = words[one.parameter]
         low, high = one.ratios
         worst = max(results.sweep.conditions, key=lambda c: c.name == one.condition).worst_ratio

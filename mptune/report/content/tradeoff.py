@@ -26,7 +26,7 @@ _FIGURES = ("Index\n[ms]", "K_I,pos\n[1/s²]", "Load step\n[mm/kN]", "Bandwidth\
 
 def comparison(results: Results) -> dict[str, Any] | None:
     """Return P, PI and PID beside Eq. 22, where they were tuned."""
-    if not results.kept.compared:
+    if not results.leftovers.compared:
         return None
     rows: list[list[str | Cell]] = [
         [
@@ -36,7 +36,7 @@ def comparison(results: Results) -> dict[str, Any] | None:
             f"{one['position_worst_ratio']:.3f}",
             verdict(one["status"] or "not tuned", good=one["satisfied"]),
         ]
-        for one in results.kept.compared
+        for one in results.leftovers.compared
     ]
     columns: list[Column] = [*left("Controller"), *right(*_FIGURES, "Eq. 17", "Eq. 21")]
     return section(
@@ -56,11 +56,11 @@ def comparison(results: Results) -> dict[str, Any] | None:
 
 def front(results: Results) -> dict[str, Any] | None:
     """Return the Pareto front of tracking against disturbance, where it was run."""
-    if not results.kept.front:
+    if not results.leftovers.front:
         return None
     rows: list[list[str | Cell]] = [
         [*_figures(point["figures"]), "converged" if point["converged"] else "not converged"]
-        for point in results.kept.front
+        for point in results.leftovers.front
     ]
     return section(
         "Tracking against disturbance",

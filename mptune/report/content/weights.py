@@ -26,7 +26,7 @@ _WEIGHTS = (
 
 def weights(results: Results) -> dict[str, Any] | None:
     """Return the weights searched, where they were."""
-    found = results.kept.weights
+    found = results.leftovers.weights
     if not found:
         return None
     rows: list[list[str | Cell]] = [

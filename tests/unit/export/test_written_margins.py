@@ -3,9 +3,9 @@
 import pytest
 from target import gains_of
 
+from mptune.export.as_written import Written
 from mptune.export.formats import Precision
 from mptune.export.margins import written_margins
-from mptune.export.written import Written
 from mptune.job.export import prepare
 from mptune.robust.result import Status
 

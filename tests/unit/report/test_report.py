@@ -140,7 +140,7 @@ def test_a_study_s_words_are_printed_as_they_stand(load_boom, job, tmp_path, tit
 
 def test_report_without_some_results_leaves_only_those_out(job, tmp_path):
     bare = {"tuned": None, "verified": None, "moves": (), "moves_before": (), "chain": ()}
-    bare |= {"encirclements": (), "drivers": (), "satisfied": False, "sweep": job.published}
+    bare |= {"encirclements": (), "influences": (), "satisfied": False, "sweep": job.published}
     whole = written(tmp_path, changed(job, tmp_path))
     for text, before in zip(written(tmp_path, changed(job, tmp_path, **bare)), whole, strict=True):
         assert "Some requirement is not met" in text
@@ -151,7 +151,7 @@ def test_report_without_some_results_leaves_only_those_out(job, tmp_path):
             assert missing not in text
 
 
-@pytest.mark.parametrize("missing", ["tuned", "verified", "chain", "drivers", "moves"])
+@pytest.mark.parametrize("missing", ["tuned", "verified", "chain", "influences", "moves"])
 def test_each_result_may_be_missing_alone(job, tmp_path, missing):
     empty = None if missing in {"tuned", "verified"} else ()
     changes = {missing: empty} | ({"moves_before": ()} if missing == "moves" else {})

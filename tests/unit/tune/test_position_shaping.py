@@ -12,9 +12,7 @@ from mptune.params.pack import LoopGains, pack_gains, pack_nominal, pack_path
 from mptune.robust.condition import nominal_loops, sides
 from mptune.robust.grid import frequency_range
 from mptune.robust.sweep import sweep
-from mptune.tune.convex import Status
-from mptune.tune.position_limits import damping_limits, frequency_limits
-from mptune.tune.problem import (
+from mptune.shape.problem import (
     Function,
     Loops,
     Maximise,
@@ -23,8 +21,10 @@ from mptune.tune.problem import (
     Problem,
     WeightedSensitivity,
 )
-from mptune.tune.shaping import shape_loop
-from mptune.tune.structure import position, position_gains, position_parameters
+from mptune.shape.procedure import ShapeStatus
+from mptune.shape.shaping import shape_loop
+from mptune.shape.structure import position, position_gains, position_parameters
+from mptune.tune.position_limits import damping_limits, frequency_limits
 
 pytestmark = pytest.mark.compiled  # the envelope over the family would take minutes
 
@@ -120,7 +120,7 @@ def test_integral_gain_is_three_times_the_published_one(loop):
         f"{checked.position.worst_ratio:.6f} (allowed {LIMIT}); {len(found.iterates)} iterates, "
         f"{1e3 * took:.0f} ms"
     )
-    assert found.status is Status.OPTIMAL
+    assert found.status is ShapeStatus.OPTIMAL
     assert found.stable
     assert gains.k_i_pos == pytest.approx(70, rel=0.01)
     assert checked.position.worst_ratio == pytest.approx(LIMIT, rel=1e-4)
@@ -139,7 +139,7 @@ def test_published_noise_gain_costs_little_and_less_noise_costs_more(loop):
             f"noise ≤ {share} of published: K_I,pos {found.objective:.2f}, noise {noise:.4f}, "
             f"{1e3 * took:.0f} ms"
         )
-        assert found.status is Status.OPTIMAL
+        assert found.status is ShapeStatus.OPTIMAL
         assert noise <= share * (1 + 1e-6)
         values.append(found.objective)
     assert np.all(np.diff(values) < 0)
@@ -160,7 +160,7 @@ def test_m_s_at_f_ref_over_the_true_family(loop):
             f"M_S ≤ {limit} at F_ref on {len(rows)} plants: K_I,pos {found.objective:.2f}, "
             f"grid M_S {worst:.4f}, rounds {found.rounds}, {1e3 * took:.0f} ms"
         )
-        assert found.status is Status.OPTIMAL
+        assert found.status is ShapeStatus.OPTIMAL
         assert worst <= limit * (1 + 1e-6)
         values.append(found.objective)
     assert values[1] < values[0] < 70
@@ -173,7 +173,7 @@ def test_weighted_sensitivity_beats_the_published_gains(loop):
     published = loop.problem().structure.controller(loop.start, loop.omega)
     before = (10 / loop.omega / np.abs(1 + plant * published)).max()
     print(f"max 10/ω |S|: {before:.3f} -> {found.objective:.3f}, {1e3 * took:.0f} ms")
-    assert found.status is Status.OPTIMAL
+    assert found.status is ShapeStatus.OPTIMAL
     assert found.objective < before
 
 
@@ -194,7 +194,7 @@ def test_one_tau_after_another_with_margins_on_a_handful_of_plants(loop):
     times, values = [], []
     for tau in (5e-3, 6e-3, 8e-3, 10e-3, 14e-3, 20e-3):
         found, took = shaped(loop, loop.problem(*peaks, tau=tau, force=corners))
-        assert found.status is Status.OPTIMAL
+        assert found.status is ShapeStatus.OPTIMAL
         times.append(took)
         values.append(found.objective)
     print(
@@ -217,6 +217,6 @@ def test_limits_of_omega_and_xi_bind(loop, limits, kept):
     found, took = shaped(loop, loop.problem(*limits))
     gains = loop.gains_at(found.parameters, 6e-3)
     print(f"K_I,pos {gains.k_i_pos:.2f}, ω {gains.omega:.2f}, ξ {gains.xi:.3f}, {took:.3f} s")
-    assert found.status is Status.OPTIMAL
+    assert found.status is ShapeStatus.OPTIMAL
     assert kept(gains)
     assert 50 < gains.k_i_pos < 69.9

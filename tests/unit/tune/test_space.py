@@ -7,8 +7,8 @@ from hypothesis import strategies as st
 
 from mptune.errors import InputError
 from mptune.loops.position import position_controller
+from mptune.robust.model import Task
 from mptune.tune.space import STRUCTURES, space_of
-from mptune.tune.task import Task
 
 LARGEST = 7.1e5  # N s/m
 MARGIN = "requirements.gain_margin=1.5"

@@ -10,12 +10,12 @@ from scipy.stats import qmc
 
 from mptune.loops.family import plants_of
 from mptune.params.pack import pack_gains, pack_nominal, pack_path
+from mptune.robust.model import Task
 from mptune.robust.sweep import sweep
 from mptune.tune.objective import Judge
 from mptune.tune.result import TuneStatus
-from mptune.tune.search import Search
+from mptune.tune.search import GainSearch
 from mptune.tune.space import Choice
-from mptune.tune.task import Task
 from mptune.tune.tuner import Tuner, tune
 from mptune.tune.velocity import largest_velocity_gain
 
@@ -187,7 +187,7 @@ def test_no_other_start_ends_better(load_boom, tuned_boom):
     own = Choice(task.start, task.study.study.feedforward)
     judge = Judge(task, own)
     before = judge.figures(own)
-    search = Search(task, judge, before, tuned_boom.gains.k_p_vel)
+    search = GainSearch(task, judge, before, tuned_boom.gains.k_p_vel)
     ours = tuned_boom.figures.tracking / tuned_boom.figures_before.tracking
     low, high = search.space.low, search.space.high
     found = []

@@ -1,0 +1,82 @@
+"""Where the search starts: the study's own gains, the convex core's, and points about them."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.tune.core import Core
+from mptune.tune.space import Choice
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mptune.arrays import FloatArray
+    from mptune.params.controller import Feedforward
+    from mptune.params.pack import LoopGains
+    from mptune.robust.model import Task
+    from mptune.tune.space import Space
+
+_TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved
+_VELOCITY_SHARES = (1.0, 0.6)  # of the study's own velocity gain, where it is free
+_SCATTERED, _SCATTER = 8, 0.8  # random starts where it is free, and how far off, in logarithms
+_SMALLER = (0.5, 0.25)  # of the position gains, tried where no convex start is known
+
+
+def first_points(task: Task, space: Space, gains: LoopGains, kind: str) -> Iterator[FloatArray]:
+    """Yield points to polish, each found only when it is asked for.
+
+    Parameters
+    ----------
+    task, space
+        The task and what is free in it.
+    gains
+        The study's own gains, with the velocity gain to start from.
+    kind
+        The objective that weighs most.
+    """
+    own = Choice(gains, _matched_feedforward(task, space))
+    yield space.point(own)
+    if space.structure != "eq22":
+        for share in _SMALLER:
+            yield _scaled(space, own, share)
+        return
+    limits = space.limits()
+    low, high = np.log(limits["tau"])
+    for part in _VELOCITY_SHARES if space.crowded else (1.0,):
+        start = gains._replace(k_p_vel=part * gains.k_p_vel)
+        core = Core(task, start, task.corners(), limits)
+        for share in _TAU_SHARES[: 1 if low == high else None]:
+            _, found = core.shaped(float(np.exp(low + share * (high - low))), kind)
+            yield space.point(own._replace(gains=found))
+    if space.crowded:
+        yield from _scattered(space, space.point(own))
+
+
+def _scattered(space: Space, centre: FloatArray) -> Iterator[FloatArray]:
+    """Yield points about the first start."""
+    from scipy.stats import qmc
+
+    shares = qmc.Sobol(len(centre), rng=np.random.default_rng(0)).random(_SCATTERED)
+    yield from np.clip(centre + _SCATTER * (2 * shares - 1), space.low, space.high)
+
+
+def _matched_feedforward(task: Task, space: Space) -> Feedforward:
+    """Return the study's feed-forward, what is free of it matched to the machine.
+
+    The reference is as late as the measured position, and the mass in the middle.
+    """
+    matched = {
+        "acceleration_mass": float(np.sqrt(task.plants.mass.min() * task.plants.mass.max())),
+        "reference_lag": task.filters.filter_time,
+        "velocity_reference_lag": 0.0,
+    }
+    free = {name: matched[name] for name in space.names if name in matched}
+    return task.study.study.feedforward.model_copy(update=free)
+
+
+def _scaled(space: Space, choice: Choice, share: float) -> FloatArray:
+    gains = choice.gains
+    smaller = gains._replace(k_p_pos=share * gains.k_p_pos, k_i_pos=share**2 * gains.k_i_pos)
+    return space.point(choice._replace(gains=smaller))

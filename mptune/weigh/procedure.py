@@ -1,0 +1,97 @@
+"""§5.4's order: W_conv first, for the converter pistons; then W_loss and W_sw, for the energy.
+
+The paper says by hand and eye what stands here as rules. What counts as too large an error is
+assumed: a tenth more of the performance index, or a quarter more of the force-error integral, than
+the least seen on the way. W_loss and W_sw draw the pistons out again; W_conv is then raised.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Callable
+
+    from mptune.weigh.trial import Bench, Trial, Weights
+
+_CONVERTER_SHARE = 0.8  # of the travel: how far pistons may go
+_INDEX_GROWTH, _FORCE_ERROR_GROWTH = 1.1, 1.25
+_CONVERTER = tuple(2e9 * 10**k for k in (0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5))  # N s/m⁶
+_LOSS = tuple(10.0 * 2**k for k in range(7))  # N/J
+_SWITCHING = tuple(12.5 * 2**k for k in range(7))  # N
+STEPS = len(_CONVERTER) + len(_LOSS) + len(_SWITCHING)  # at most
+
+
+class Stage(NamedTuple):
+    """One trial of the procedure, and whether its weight was kept."""
+
+    weight: str
+    trial: Trial
+    kept: bool
+
+
+class _Walk:
+    """The procedure under way."""
+
+    def __init__(self, bench: Bench, start: Weights, progress: Callable[[], None]) -> None:
+        self._bench = bench
+        self._farthest = _CONVERTER_SHARE * bench.study.study.supplies.converter_travel
+        self._progress = progress
+        self._converter = iter(_CONVERTER)  # only ever raised
+        self.weights = start._replace(
+            weight_loss=0.0, weight_switching=0.0, weight_converter=next(self._converter)
+        )
+        self.steps: list[Stage] = []
+
+    def keep_pistons_off(self, name: str, weights: Weights) -> bool:
+        """Try weights, with as much more W_conv as the pistons need; keep them if errors allow."""
+        while True:
+            trial = self._bench.tried(weights)
+            self._progress()
+            off = trial.unstable == 0 and trial.converter_peak <= self._farthest
+            kept = off and self._small(trial)
+            self.steps.append(Stage(name, trial, kept))
+            if kept:
+                self.weights = weights
+            more = None if off else next(self._converter, None)
+            if more is None:
+                return kept
+            name, weights = "weight_converter", weights._replace(weight_converter=more)
+
+    def _small(self, trial: Trial) -> bool:
+        growths = {
+            "performance_index_ms": _INDEX_GROWTH,
+            "force_error_integral_kn2s": _FORCE_ERROR_GROWTH,
+        }
+        return all(
+            trial.mean(figure) <= growth * min(step.trial.mean(figure) for step in self.steps)
+            for figure, growth in growths.items()
+            if self.steps
+        )
+
+
+def by_the_papers_order(
+    bench: Bench, start: Weights, progress: Callable[[], None] = lambda: None
+) -> tuple[Weights, tuple[Stage, ...]]:
+    """Find the three weights one after another.
+
+    Parameters
+    ----------
+    bench
+        Where weights are tried.
+    start
+        Sampling period and tolerances; its weights are not used.
+    progress
+        Called after each trial.
+
+    Returns
+    -------
+    The weights, and every step on the way.
+    """
+    walk = _Walk(bench, start, progress)
+    walk.keep_pistons_off("weight_converter", walk.weights)
+    for name, ladder in (("weight_loss", _LOSS), ("weight_switching", _SWITCHING)):
+        for value in ladder:
+            if not walk.keep_pistons_off(name, walk.weights._replace(**{name: value})):
+                break
+    return walk.weights, tuple(walk.steps)

@@ -1,0 +1,83 @@
+"""The weights of a study: §5.4's order, the search, the front and a recommendation."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mptune.weigh.procedure import STEPS, by_the_papers_order
+from mptune.weigh.recommend import FINALISTS, front, recommended
+from mptune.weigh.result import WeightsResult
+from mptune.weigh.search import open_search
+from mptune.weigh.trial import Bench, limits_of, own_weights
+
+if TYPE_CHECKING:
+    from collections.abc import Callable, Sequence
+
+    from mptune.campaign.workers import Workers
+    from mptune.params.study import ResolvedStudy
+
+SEARCH_SEEDS, SECOND_SEEDS = (1, 2), (11, 12, 13, 14)  # of the search, of the recommendation
+
+
+def search_weights(
+    study: ResolvedStudy,
+    team: Workers,
+    storage: str,
+    trials: int = 80,
+    *,
+    sampler: str = "tpe",
+    seed: int = 1,
+    also: Sequence[str] = (),
+    sets: int = 3,
+    progress: Callable[[str, float], None] = lambda *_: None,
+) -> WeightsResult:
+    """Find weights for a study's force controller.
+
+    Parameters
+    ----------
+    study
+        The study; its own weights are the first trial.
+    team
+        Who simulates.
+    storage
+        Address of optuna's database; a search that stands there is gone on with.
+    trials
+        How many in all.
+    sampler, seed, also
+        See ``open_search``.
+    sets
+        Movement sets per run; of several, the first is left out.
+    progress
+        Called with a stage's name and the share of it that is done.
+    """
+    bench = Bench(study, team, SEARCH_SEEDS, sets)
+    search = open_search(bench, storage, seed=seed, sampler=sampler, also=also)
+    count = 0
+
+    def step() -> None:
+        nonlocal count
+        count += 1
+        progress("weights by the paper's order", min(count / STEPS, 1.0))
+
+    own = bench.tried(own_weights(study))
+    by_order, steps = by_the_papers_order(bench, own.weights, step)
+    limits = limits_of(study, own)
+    tried = search.run(
+        trials,
+        (own.weights, by_order),
+        limits,
+        lambda done, wanted: progress(f"search, {wanted} trials", done / wanted),
+    )
+    best = front(tried, limits)
+    again = "the best again, with other random numbers"
+    progress(again, 0.0)
+    second = bench.with_seeds(SECOND_SEEDS)
+    count = 0
+
+    def checked() -> None:
+        nonlocal count
+        count += 1
+        progress(again, min(count / (FINALISTS + 1), 1.0))
+
+    found = recommended(second, own, [tried[place] for place in best], checked)
+    return WeightsResult(study, by_order, steps, tried, best, limits, found)
