@@ -134,7 +134,7 @@ class Members:
     def plants(self) -> Plants:
         """Return the members as plants: a mass each, and no delay or lags of their own."""
         unknown = np.full(len(self), np.nan)
-        return Plants(self.mass, unknown, unknown, unknown)
+        return Plants(self.mass, unknown, unknown, unknown, unknown)
 
     def errors(
         self, omega: FloatArray, nominal: NominalPlant, nominal_velocity_loop: ComplexArray
@@ -164,7 +164,4 @@ def members_of(study: ResolvedStudy, plants: Plants) -> Members | None:
 
 def whole_family(plants: Plants, members: Members | None) -> Plants:
     """Return the box's plants followed by the measured members."""
-    if members is None:
-        return plants
-    both = zip(plants, members.plants(), strict=True)
-    return Plants(*(np.concatenate(pair) for pair in both))
+    return plants if members is None else plants.followed_by(members.plants())

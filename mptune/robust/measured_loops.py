@@ -22,9 +22,9 @@ import numpy as np
 
 from mptune.arrays import ComplexArray, FloatArray, frozen, kernel
 from mptune.loops.broken import loop_around
-from mptune.loops.family import FamilyLoops
+from mptune.loops.family import FamilyLoops, nominal_plants
 from mptune.loops.stability import PoleCount
-from mptune.params.pack import LoopGains, MeasurementPath, Plants
+from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant
 from mptune.robust.margins import Margins
 
 if TYPE_CHECKING:
@@ -119,8 +119,8 @@ def _start(
     which: int, response: ForceResponse, mass: float, gains: LoopGains, path: MeasurementPath
 ) -> float | None:
     """Return a radius on whose half circle the loop is its leading term c/s^k, or None."""
-    one = Plants(np.array([mass]), *(np.zeros(1) for _ in range(3)))
-    known = FamilyLoops(which, one, 0.5, gains, path)
+    at_once = nominal_plants(NominalPlant(mass, 0.0))
+    known = FamilyLoops(at_once, gains, path, which)
     leading = known.leading[0] * abs(response.response[0])
     radius = 0.5 * float(response.omega[0])
     for _ in range(200):

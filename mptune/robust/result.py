@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
     from mptune.robust.margins import Margins
     from mptune.robust.measured import Members
+    from mptune.robust.model import LinearModel
 
 
 class Status(StrEnum):
@@ -155,11 +156,10 @@ class Family:
         def both(key: str) -> BoolArray:
             return frozen(np.concatenate([getattr(self, key), getattr(members, key)]))
 
-        plants = zip(self.plants, members.plants, strict=True)
         margins = zip(self.margins, members.margins, strict=True)
         return Family(
             path=self.path,
-            plants=type(self.plants)(*map(np.concatenate, plants)),
+            plants=self.plants.followed_by(members.plants),
             velocity_stable=both("velocity_stable"),
             stable=both("stable"),
             decided=both("decided"),
@@ -189,17 +189,30 @@ class SweepResult:
     ``plants`` are those of the box; measured ``members`` stand beside or instead of them.
     """
 
-    study: ResolvedStudy
+    model: LinearModel
     gains: Gains
     omega: FloatArray
-    plants: Plants
     velocity: Condition
     position: Condition
     families: tuple[Family, ...]  # without and with the measurement path
     sampled: Family | None  # as it runs; None where some delay leaves no room for the hold
     noise_gain: float  # N/m, rms of F_ref per rms of position noise
     checks: tuple[Check, ...]
-    members: Members | None = None
+
+    @property
+    def study(self) -> ResolvedStudy:
+        """The study that was swept."""
+        return self.model.study
+
+    @property
+    def plants(self) -> Plants:
+        """``(N,)`` the box's plants."""
+        return self.model.plants
+
+    @property
+    def members(self) -> Members | None:
+        """Measured members of the family, if any."""
+        return self.model.members
 
     @property
     def conditions(self) -> tuple[Condition, Condition]:

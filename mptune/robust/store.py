@@ -8,7 +8,6 @@ from typing import TYPE_CHECKING, Any
 from mptune.files import write_whole_with
 from mptune.loops.broken import NAMES
 from mptune.params.gains import version
-from mptune.robust.measured import whole_family
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -33,7 +32,7 @@ def to_dataset(result: SweepResult) -> xr.Dataset:
     import xarray as xr
 
     members = result.members
-    plants = whole_family(result.plants, members)
+    plants = result.model.whole_family
     count = len(plants.mass)
     per_frequency = ("condition", "frequency")
     data: dict[str, xr.DataArray] = {}

@@ -19,7 +19,7 @@ if TYPE_CHECKING:
 
     from mptune.arrays import FloatArray
     from mptune.params.section import Range
-    from mptune.robust.model import Task
+    from mptune.robust.model import LinearModel
     from mptune.tune.excesses import Excess
     from mptune.tune.objective import Figures
 
@@ -62,12 +62,12 @@ def nothing(choice: Choice) -> Searched:
 
 
 class GainSearch:
-    """One structure's search within one task.
+    """One structure's search for one study.
 
     Parameters
     ----------
-    task
-        The task.
+    model
+        The study's linear model.
     judge
         Its figures of merit.
     before
@@ -82,19 +82,19 @@ class GainSearch:
 
     def __init__(
         self,
-        task: Task,
+        model: LinearModel,
         judge: Judge,
         before: Figures,
         largest_velocity_gain: float,
         structure: str = "eq22",
         extra: dict[str, Range] | None = None,
     ) -> None:
-        self._task, self._judge, self._before = task, judge, before
-        self._space = space_of(task, largest_velocity_gain, structure, extra)
-        own = task.start.k_p_vel if self._space.crowded else largest_velocity_gain
-        self._start = task.start._replace(k_p_vel=min(own, largest_velocity_gain))
-        self._required = Excesses(task, self._start)
-        self._weights = weights_of(task.study.study.objective)
+        self._model, self._judge, self._before = model, judge, before
+        self._space = space_of(model, largest_velocity_gain, structure, extra)
+        own = model.gains.k_p_vel if self._space.crowded else largest_velocity_gain
+        self._start = model.gains._replace(k_p_vel=min(own, largest_velocity_gain))
+        self._required = Excesses(model, self._start)
+        self._weights = weights_of(model.study.study.objective)
         self._kept: dict[str, float] = {}  # earlier objectives and the most that they may become
         self._evaluations = 0
 
@@ -110,7 +110,7 @@ class GainSearch:
     ) -> Searched:
         """Return the best candidate for the study's objective, then for those after it."""
         found = self._improve(self._starts(first), progress)
-        objective = self._task.study.study.objective
+        objective = self._model.study.study.objective
         for kind in objective.then:
             if not found.feasible:
                 break
@@ -190,7 +190,7 @@ class GainSearch:
         if first is not None:
             return [self._space.point(first)]
         kind = max(self._weights, key=lambda kind: self._weights[kind])
-        return first_points(self._task, self._space, self._start, kind)
+        return first_points(self._model, self._space, self._start, kind)
 
     def _from(self, start: FloatArray) -> Polished:
         """Return the outcome from a start, going by the nearest requirements where it must."""
