@@ -14,15 +14,17 @@ from mptune.errors import Fault, InputError
 from mptune.files import make_folder, read_text, write_whole
 from mptune.params.gains import GainsFile, read_gains
 from mptune.params.load import load_study, parse_toml
+from mptune.progress import silent
 from mptune.robust.sweep import sweep
 from mptune.sim.sampled import linear_moves
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
     from pathlib import Path
 
     from mptune.params.controller import Feedforward
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
 
@@ -85,7 +87,7 @@ def compare(
     sources: Sequence[Path],
     study: Path | None,
     out: Path,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = silent,
     *,
     overrides: Sequence[str] = (),
     uncertainty: str = "",

@@ -24,6 +24,7 @@ from mptune.job.gains import gains_file
 from mptune.job.report import draw, report
 from mptune.job.tune import compared_files
 from mptune.params.gains import read_gains, write_gains
+from mptune.progress import silent
 from mptune.robust.chain import chain
 from mptune.robust.encirclements import encirclements
 from mptune.robust.store import write_sweep
@@ -37,11 +38,11 @@ from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
     from mptune.params.controller import Feedforward
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.robust.chain import Link
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
@@ -121,7 +122,7 @@ def moves_json(case: LinearMove) -> dict[str, Any]:
 def run(
     study: ResolvedStudy,
     out: Path,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = silent,
     *,
     compare: bool = False,
 ) -> JobResult:
@@ -148,7 +149,7 @@ def run(
         progress("sweep", 0.0)
         published = sweep(study)
         progress("tune", 0.0)
-        tuned = tune(study, lambda share: progress("tune", share))
+        tuned = tune(study, progress)
         progress("linear check", 0.0)
         moves_before = linear_moves(study)
         moves = linear_moves(study, tuned.gains, tuned.feedforward)
@@ -162,18 +163,14 @@ def run(
     if tuned.sweep.satisfied:
         progress("verify", 0.0)
         file = read_gains(exported, study.hash())
-        verified = verify(
-            study, file.gains, file.feedforward, lambda share: progress("verify", share)
-        )
+        verified = verify(study, file.gains, file.feedforward, progress)
         write_gains(exported, gains_file(tuned.sweep, tuned.feedforward, moves, verified))
         files.append(write_traces(folder / "traces.nc", verified))
-    links = gain_factors(
-        tuned.sweep, tuned.feedforward, verified, lambda share: progress("chain", share)
-    )
+    links = gain_factors(tuned.sweep, tuned.feedforward, verified, progress)
     compared: tuple[Baseline, ...] = ()
     if compare:
         progress("compare", 0.0)
-        compared = baselines(study, tuned, lambda share: progress("compare", share))
+        compared = baselines(study, tuned, progress)
         files += compared_files(folder, study, compared)
     result = JobResult(study, published, tuned, moves, moves_before, verified, links, compared)
     progress("figures", 0.0)
@@ -191,10 +188,10 @@ def gain_factors(
     swept: SweepResult,
     feedforward: Feedforward,
     verified: VerifyResult | None,
-    progress: Callable[[float], None],
+    progress: Progress,
 ) -> tuple[Link, ...]:
     """Return the chain of the swept gains, with the nonlinear machine where it was verified."""
-    progress(0.0)
+    progress("chain", 0.0)
     links = chain(swept)
     if verified is None:
         return links

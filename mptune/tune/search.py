@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.progress import silent
 from mptune.tune.excesses import Excesses
 from mptune.tune.objective import Judge, weights_of
 from mptune.tune.polish import Polished, Values, polish
@@ -15,10 +16,11 @@ from mptune.tune.space import Choice, Space, space_of
 from mptune.tune.starts import first_points
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
     from mptune.arrays import FloatArray
     from mptune.params.section import Range
+    from mptune.progress import Progress
     from mptune.robust.model import LinearModel
     from mptune.tune.excesses import Excess
     from mptune.tune.objective import Figures
@@ -106,7 +108,7 @@ class GainSearch:
     def run(
         self,
         first: Choice | None = None,
-        progress: Callable[[float], None] = lambda _share: None,
+        progress: Progress = silent,
     ) -> Searched:
         """Return the best candidate for the study's objective, then for those after it."""
         found = self._improve(self._starts(first), progress)
@@ -135,11 +137,11 @@ class GainSearch:
             reliefs.append(Concession(name, factor))
         return tuple(reliefs)
 
-    def _improve(self, starts: Iterable[FloatArray], progress: Callable[[float], None]) -> Searched:
+    def _improve(self, starts: Iterable[FloatArray], progress: Progress) -> Searched:
         outcomes: list[Polished] = []
         for n, start in enumerate(starts):
             outcomes.append(self._from(start))
-            progress(0.7 * (n + 1) / (n + 2))
+            progress("tune", 0.7 * (n + 1) / (n + 2))
             if _agree(outcomes) and not self._space.crowded:
                 break
         best = min(outcomes, key=_rank)
@@ -165,7 +167,7 @@ class GainSearch:
             best = self._nearest(best)
             worst = self._required.worst(self._space.choice(best.point).gains)
             feasible = max(one.excess for one in worst) <= _MET
-        progress(1.0)
+        progress("tune", 1.0)
         return Searched(
             choice=self._space.choice(best.point),
             feasible=feasible,

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.params.controller import Gains
+from mptune.progress import silent
 from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
@@ -17,11 +18,10 @@ from mptune.tune.space import Choice
 from mptune.tune.velocity import largest_velocity_gain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from mptune.params.pack import LoopGains
     from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.robust.result import SweepResult
     from mptune.tune.objective import Figures
     from mptune.tune.velocity import VelocityGain
@@ -39,7 +39,7 @@ _REMEDIES = {  # where the figure itself is not what stands in the way
 
 def tune(
     study: ResolvedStudy,
-    progress: Callable[[float], None] = lambda _share: None,
+    progress: Progress = silent,
     *,
     structure: str = "eq22",
     extra: dict[str, Range] | None = None,
@@ -51,7 +51,7 @@ def tune(
     study
         The study; its own gains are the starting point.
     progress
-        Called with the share of the work that is done.
+        Told of the stage ``"tune"``.
     structure
         Structure of the position controller, see ``mptune.tune.space``.
     extra
@@ -93,7 +93,7 @@ class Tuner:
         self,
         structure: str = "eq22",
         extra: dict[str, Range] | None = None,
-        progress: Callable[[float], None] = lambda _share: None,
+        progress: Progress = silent,
     ) -> TuneResult:
         """Return the tuned gains of one structure, with the whole family's verdict."""
         if self.blocked:
@@ -113,7 +113,7 @@ class Tuner:
         structure: str = "eq22",
         extra: dict[str, Range] | None = None,
         first: Choice | None = None,
-        progress: Callable[[float], None] = lambda _share: None,
+        progress: Progress = silent,
     ) -> tuple[GainSearch, Searched]:
         """Return a search and its outcome, without the whole family's verdict."""
         k_p_vel = self._velocity.k_p_vel
