@@ -12,8 +12,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numba
 import numpy as np
 
-from mptune.arrays import Complex, FloatArray, kernel, parallel_kernel
-from mptune.loops.broken import FORCE, SAMPLED, loop_gain
+from mptune.arrays import Complex, ComplexArray, FloatArray, kernel, parallel_kernel
+from mptune.loops.broken import FORCE, SAMPLED, loop_around, loop_gain
 from mptune.loops.sampled import (
     SampledPlant,
     coefficient_count,
@@ -21,10 +21,11 @@ from mptune.loops.sampled import (
     sampled_plant,
 )
 from mptune.loops.velocity import plant_at
+from mptune.params.pack import Plant
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
-    from mptune.params.pack import LoopGains, MeasurementPath, Plant, Plants
+    from mptune.params.pack import LoopGains, MeasurementPath, Plants
 
 _GOLDEN = (5**0.5 - 1) / 2
 _BEYOND = 40  # frequencies that continue the grid
@@ -36,11 +37,16 @@ _SENSITIVITY, _COMPLEMENTARY, _DISK = 0, 1, 2
 
 
 class _Plant(NamedTuple):
-    """One plant of Eq. 15, and the same as the controller samples it, where that is asked for."""
+    """One plant of Eq. 15; as the controller samples it, or as its force response was measured.
+
+    What is not asked for is empty.
+    """
 
     true: Plant
     sampled: SampledPlant
     period: float  # s, T_S
+    omega: FloatArray  # (F,) rad/s, where the force response is known
+    force: ComplexArray  # (F,) the force response there
 
 
 class Margins(NamedTuple):
@@ -85,9 +91,10 @@ def _family_margins(
 ) -> FloatArray:
     count = len(plants.mass)
     table = np.empty((3, count, 14))
-    none = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, 0.0)
+    sampled = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, 0.0)
     for n in numba.prange(count):
-        plant = _Plant(plant_at(plants, n), none, 0.0)
+        none = np.empty(0), np.empty(0, np.complex128)
+        plant = _Plant(plant_at(plants, n), sampled, 0.0, none[0], none[1])
         for which in range(3):
             table[which, n, :] = _margins(which, omega, plant, gains, path)
     return table
@@ -117,12 +124,36 @@ def _sampled_margins(
     for n in numba.prange(len(plants.mass)):
         true = plant_at(plants, n)
         sampled = sampled_plant(true, path, period, size)
-        plant = _Plant(true, sampled, period)
+        plant = _Plant(true, sampled, period, np.empty(0), np.empty(0, np.complex128))
         row = _margins(SAMPLED, omega, plant, gains, path)
         end = sampled_loop(1j * omega[-1], sampled, gains, period).real  # real at half the rate
         if end < 0:
             _note_factor(row, -1 / end, omega[-1])
         table[n, :] = row
+    return table
+
+
+def measured_margins(
+    omega: FloatArray, force: ComplexArray, mass: float, gains: LoopGains, path: MeasurementPath
+) -> FloatArray:
+    """Return the margins of the three loops around one measured force response, ``(3, 14)``.
+
+    In the order of ``Margins``, within the band of the fine grid ``omega`` ``(F,)``. Between its
+    points the response ``force`` ``(F,)`` is taken to go straight: the error is that of the square
+    of the step.
+    """
+    return np.asarray(_measured_margins(omega, force, mass, gains, path))
+
+
+@kernel
+def _measured_margins(
+    omega: FloatArray, force: ComplexArray, mass: float, gains: LoopGains, path: MeasurementPath
+) -> FloatArray:
+    sampled = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, 0.0)
+    plant = _Plant(Plant(mass, 0.0, 0.0, 0.0, 0.5), sampled, 0.0, omega, force)
+    table = np.empty((3, 14))
+    for which in range(3):
+        table[which] = _margins(which, omega, plant, gains, path)
     return table
 
 
@@ -137,7 +168,19 @@ def _gain(
     s = 1j * omega
     if which == SAMPLED:
         return sampled_loop(s, plant.sampled, gains, plant.period)
+    if len(plant.omega) > 0:
+        force = _between(omega, plant.omega, plant.force)
+        return loop_around(which, s, force / (plant.true.mass * s), gains, path)
     return loop_gain(which, s, plant.true, gains, path)
+
+
+@kernel
+def _between(omega: float, grid: FloatArray, values: ComplexArray) -> complex:
+    """Return a value on the chord between two neighbouring points."""
+    below = int(np.searchsorted(grid, omega)) - 1
+    low = min(max(below, 0), len(grid) - 2)
+    share = (omega - grid[low]) / (grid[low + 1] - grid[low])
+    return values[low] + share * (values[low + 1] - values[low])
 
 
 @kernel
