@@ -175,7 +175,7 @@ def _gain(
 
 
 @kernel
-def _between(omega: float, grid: FloatArray, values: ComplexArray) -> complex:
+def _between(omega: float, grid: FloatArray, values: ComplexArray) -> Complex:
     """Return a value on the chord between two neighbouring points."""
     below = int(np.searchsorted(grid, omega)) - 1
     low = min(max(below, 0), len(grid) - 2)
