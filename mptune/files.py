@@ -14,7 +14,6 @@ from typing import TYPE_CHECKING
 from mptune.errors import Fault, InputError, OutputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
 
@@ -75,21 +74,11 @@ def write_whole(path: Path, content: bytes | str) -> Path:
         If the file cannot be written; an earlier file of that name is then untouched.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
-    return write_whole_with(path, lambda beside: beside.write_bytes(data))
-
-
-def write_whole_with(path: Path, write: Callable[[Path], object]) -> Path:
-    """Let ``write`` fill a file beside ``path``, then rename it into place.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written; an earlier file of that name is then untouched.
-    """
     beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
-        write(beside)
-        with beside.open("rb") as stream:
+        with beside.open("wb") as stream:
+            stream.write(data)
+            stream.flush()
             os.fsync(stream.fileno())
         beside.replace(path)
     except OSError as error:
