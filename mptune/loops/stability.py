@@ -30,6 +30,7 @@ from mptune.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
 
 _BASE_POINTS = 97  # per loop, before splitting
 _SMALLEST = 1e-12  # step over frequency below which splitting is given up
+_MOST_STEPS = 4096  # of one loop under way at once: then its splitting is given up too
 _CERTAIN = 0.9  # share of the distance to the critical point that a step may use up
 _CIRCLE: ComplexArray = np.exp(2j * np.pi * np.arange(64) / 64)
 
@@ -186,7 +187,9 @@ def _angle_along_axis(loop: DeadTimeLoop, start: FloatArray) -> tuple[FloatArray
         certain = loop.bound(low, rows) * growth < _CERTAIN * np.abs(at_low)
         change = np.angle(at_high[certain] / at_low[certain])
         angle += np.bincount(rows[certain], change, minlength=count)
-        hopeless = ~certain & (high - low <= _SMALLEST * high)
+        hopeless = ~certain & ~(high - low > _SMALLEST * high)
+        crowded = np.bincount(rows[~certain], minlength=count) > _MOST_STEPS
+        reached[crowded | (~np.isfinite(tail))] = False
         reached[rows[hopeless]] = False
         left = ~certain & reached[rows]
         rows, low, high = rows[left], low[left], high[left]

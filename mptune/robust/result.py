@@ -138,7 +138,7 @@ class Family:
         largest_is_worst = name.endswith("peak") or name == "gain_reduction"
         index = int(np.argmax(values) if largest_is_worst else np.argmin(values))
         frequency = self.margins[self.margins._fields.index(name) + 1][loop, index]
-        at = None if np.isnan(frequency) else self._point(index, frequency)
+        at = None if np.isnan(frequency) else self.point(index, frequency)
         return float(values[index]), at
 
     def first_unstable(self) -> PlantPoint | None:
@@ -148,7 +148,7 @@ class Family:
             return None
         plants = self.plants
         order = np.lexsort((-plants.tau_a[index], -plants.delay[index], plants.mass[index]))
-        return self._point(int(index[order[0]]), float("nan"))
+        return self.point(int(index[order[0]]), float("nan"))
 
     def joined(self, members: Family) -> Family:
         """Return the family with its measured members behind the box's plants."""
@@ -167,7 +167,8 @@ class Family:
             responses=members.responses,
         )
 
-    def _point(self, index: int, frequency: float) -> PlantPoint:
+    def point(self, index: int, frequency: float) -> PlantPoint:
+        """Return one plant of the family at a frequency [rad/s]."""
         return plant_point(self.plants, index, frequency, self.responses)
 
 
