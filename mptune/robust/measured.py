@@ -74,18 +74,34 @@ class ForceResponse:
     def doubt(self) -> FloatArray:
         """``(K − 1,)``: how far G may be off between neighbouring points, relative to |G|.
 
-        Each point is left out in turn and interpolated from its two neighbours. The steps are then
-        twice as wide and the error about four times as large, so that this errs on the safe side.
         Infinite where the phase turns by more than 90° in a step: it may have turned the other way.
+        """
+        off = self._left_out
+        turned = np.abs(np.diff(self._logarithm[1])) > np.pi / 2
+        return np.where(turned, np.inf, _per_step(np.abs(np.exp(off[0] + 1j * off[1]) - 1)))
+
+    @cached_property
+    def magnitude_doubt(self) -> FloatArray:
+        """``(K − 1,)``: how far |G| may be off between neighbouring points, relative to |G|."""
+        return _per_step(np.abs(np.expm1(self._left_out[0])))
+
+    @cached_property
+    def _left_out(self) -> FloatArray:
+        """``(2, K − 2)``: how far off log-magnitude and phase are when a point is left out.
+
+        Each point is interpolated from its two neighbours. The steps are then twice as wide and the
+        error about four times as large, so that this errs on the safe side.
         """
         place, logarithm = np.log(self.omega), self._logarithm
         share = (place[1:-1] - place[:-2]) / (place[2:] - place[:-2])
         guessed = logarithm[:, :-2] + share * (logarithm[:, 2:] - logarithm[:, :-2])
-        off = guessed - logarithm[:, 1:-1]
-        error = np.abs(np.exp(off[0] + 1j * off[1]) - 1)
-        error = np.concatenate([error[:1], error, error[-1:]])
-        turned = np.abs(np.diff(logarithm[1])) > np.pi / 2
-        return np.where(turned, np.inf, np.maximum(error[:-1], error[1:]))
+        return np.asarray(guessed - logarithm[:, 1:-1])
+
+
+def _per_step(error: FloatArray) -> FloatArray:
+    """Return the larger error of each step's two points; an end errs like its neighbour."""
+    padded = np.concatenate([error[:1], error, error[-1:]])
+    return np.maximum(padded[:-1], padded[1:])
 
 
 @dataclass(frozen=True)
