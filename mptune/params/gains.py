@@ -24,6 +24,9 @@ from mptune.params.section import Section
 if TYPE_CHECKING:
     from pathlib import Path
 
+_MISSING_FILE = "check the path, or let `mptune tune STUDY` write it"
+_MISSING_KEY = "tune or export it again"  # nobody writes a gains file by hand
+
 Verdict = Literal["satisfied", "violated", "not run"]
 
 
@@ -99,12 +102,12 @@ def read_gains(path: Path, study_hash: str = "") -> GainsFile:
     InputError
         If the file cannot be read, breaks a rule, was edited, or belongs to another study.
     """
-    values = parse_toml(path, read_text(path))
+    values = parse_toml(path, read_text(path, _MISSING_FILE))
     stated = values.pop("content_hash", "")
     try:
         gains = GainsFile.model_validate(values, context={"si": True})
     except ValidationError as error:
-        raise InputError(path, *faults_of(error, GainsFile)) from error
+        raise InputError(path, *faults_of(error, GainsFile, _MISSING_KEY)) from error
     if stated != gains.content_hash():
         fault = Fault(
             "content_hash",

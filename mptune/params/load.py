@@ -20,6 +20,8 @@ if TYPE_CHECKING:
 
     from pydantic_core import ErrorDetails
 
+_REMEDY = "check the path, or start a study with `mptune new NAME`"
+
 
 def load_study(
     path: str | Path, overrides: Sequence[str] = (), uncertainty: str = ""
@@ -42,7 +44,7 @@ def load_study(
         If the file cannot be read, or any value breaks a rule.
     """
     path = Path(path)
-    values = parse_toml(path, read_text(path))
+    values = parse_toml(path, read_text(path, _REMEDY))
     for override in overrides:
         _override(values, override)
     read_references(path, values)
@@ -88,12 +90,17 @@ def parse_toml(path: Path, text: str) -> dict[str, Any]:
         raise InputError(path, fault) from error
 
 
-def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
-    """Return each error of a validation as a fault in the user's words."""
+def faults_of(
+    error: ValidationError, model: type[BaseModel], remedy: str = "add it to the study"
+) -> list[Fault]:
+    """Return each error of a validation as a fault in the user's words.
+
+    The ``remedy`` says what to do about a key that is missing.
+    """
     faults: dict[str, Fault] = {}
     for detail in error.errors():
         key = _key(detail["loc"])
-        faults.setdefault(key, _fault(key, detail, model))
+        faults.setdefault(key, _fault(key, detail, model, remedy))
     return list(faults.values())
 
 
@@ -110,13 +117,13 @@ def _names_a_type(part: str) -> bool:
     return "[" in part or part in {"float", "int", "str", "none"}
 
 
-def _fault(key: str, detail: ErrorDetails, model: type[BaseModel]) -> Fault:
+def _fault(key: str, detail: ErrorDetails, model: type[BaseModel], remedy: str) -> Fault:
     kind, context = detail["type"], detail.get("ctx") or {}
     value = "" if isinstance(detail["input"], dict) else repr(detail["input"])
     if kind == "refused":
         return Fault(key, value, context["rule"], context["remedy"])
     if kind == "missing":
-        return Fault(key, "", "is missing", "add it to the study")
+        return Fault(key, "", "is missing", remedy)
     if kind == "extra_forbidden":
         return Fault(key, "", "is an unknown key", _suggestion(key, model))
     if kind == "literal_error":

@@ -30,7 +30,7 @@ from pydantic import Field
 
 from mptune.errors import Fault, InputError
 from mptune.params.section import Section
-from mptune.params.table import Table, read_table
+from mptune.params.table import BESIDE_STUDY, Table, read_table
 from mptune.units import UnitError, parse_quantity
 
 if TYPE_CHECKING:
@@ -94,7 +94,7 @@ def read_measured(study: Path, values: dict[str, Any]) -> None:
 
 def _member(folder: Path, file: str) -> dict[str, Any]:
     path = folder / file
-    table = read_response_table(path)
+    table = read_response_table(path, BESIDE_STUDY)
     if not np.all(np.abs(table.response) > 0):
         rule = "has a magnitude of zero, which has no phase"
         raise InputError(path, Fault("response", "", rule, "leave that row out"))
@@ -102,15 +102,17 @@ def _member(folder: Path, file: str) -> dict[str, Any]:
     return {"name": path.stem, "rows": [[float(cell) for cell in row] for row in rows]}
 
 
-def read_response_table(path: Path) -> ResponseTable:
+def read_response_table(path: Path, remedy: str = "check the path") -> ResponseTable:
     """Return the frequency response of a CSV file; the module's docstring has its rules.
+
+    The ``remedy`` says what to do where there is no such file.
 
     Raises
     ------
     InputError
         If the file cannot be read or breaks a rule.
     """
-    table = read_table(path)
+    table = read_table(path, _EXAMPLE, remedy)
     found = _columns(path, table)
     values = {role: table.columns[index] * scale for role, (index, scale) in found.items()}
     omega = values["frequency"]
@@ -124,11 +126,12 @@ def read_response_table(path: Path) -> ResponseTable:
         magnitude = 10 ** (values["magnitude"] / 20) if decibels else values["magnitude"]
         response = magnitude * np.exp(1j * values["phase"])
     coherence = values.get("coherence", np.full(len(omega), np.nan))
-    _check(path, omega, response, coherence)
+    _check(path, table.lines, ResponseTable(omega, response, coherence))
     return ResponseTable(omega, response, coherence)
 
 
-def _check(path: Path, omega: FloatArray, response: ComplexArray, coherence: FloatArray) -> None:
+def _check(path: Path, lines: tuple[int, ...], found: ResponseTable) -> None:
+    omega, response, coherence = found
     with np.errstate(invalid="ignore"):
         falls = np.diff(omega, prepend=0.0) <= 0
     rules = (
@@ -142,8 +145,8 @@ def _check(path: Path, omega: FloatArray, response: ComplexArray, coherence: Flo
     )
     for broken, rule in rules:
         if broken.any():
-            row = f"row {int(np.argmax(broken)) + 1}"
-            raise InputError(path, Fault(row, "", rule, "mend it, or leave the row out"))
+            line = f"line {lines[int(np.argmax(broken))]}"
+            raise InputError(path, Fault(line, "", rule, "mend it, or leave the line out"))
 
 
 def _columns(path: Path, table: Table) -> dict[str, tuple[int, float]]:

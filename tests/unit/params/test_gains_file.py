@@ -140,6 +140,22 @@ def test_a_file_that_was_cut_off_is_refused(written, landmark, after):
         read_gains(path)
 
 
+@pytest.mark.parametrize("content", [None, ""])
+def test_a_file_that_is_missing_or_empty_is_for_the_tuner_to_write(tmp_path, content):
+    path = tmp_path / "gains.toml"
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(InputError, match="let `mptune tune STUDY` write it") as caught:
+        read_gains(path)
+    assert "mptune new" not in str(caught.value)
+
+
+def test_nobody_is_asked_to_write_a_missing_gain_into_a_study(written):
+    path, text = written
+    fault = fault_of(path, text.replace("omega = 42.0", ""))
+    assert (fault.key, fault.remedy) == ("gains.omega", "tune or export it again")
+
+
 def test_gains_that_cannot_be_written_are_an_output_error(tmp_path):
     (tmp_path / "file").write_text("x")
     with pytest.raises(OutputError):

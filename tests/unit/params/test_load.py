@@ -277,7 +277,7 @@ def test_a_source_that_says_nothing_is_refused(write_study, sources):
 
 
 def test_a_missing_file_is_an_input_error(tmp_path):
-    refused(tmp_path / "study.toml", "", "does not exist", "path")
+    refused(tmp_path / "study.toml", "", "does not exist", "start a study with `mptune new NAME`")
 
 
 def test_a_folder_is_an_input_error(tmp_path):
