@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from mptune.arrays import ComplexArray, FloatArray
+    from mptune.params.layers import Layers
 
 _FEWEST_ROWS = 4
 _NAMES = {
@@ -68,27 +69,30 @@ class ResponseTable(NamedTuple):
     coherence: FloatArray  # (F,), NaN where not known
 
 
-def read_measured(study: Path, values: dict[str, Any]) -> None:
+def read_measured(layers: Layers) -> None:
     """Replace the files that ``measured`` names, in each uncertainty set, by their rows, in place.
 
-    Paths are taken from the study's folder.
+    Paths are taken from the folder of the study that names them.
 
     Raises
     ------
     InputError
         If a file cannot be read or breaks a rule.
     """
-    uncertainty = values.get("uncertainty")
+    uncertainty = layers.values.get("uncertainty")
     if not isinstance(uncertainty, dict):
         return
     sets = uncertainty.get("sets")
-    others = list(sets.values()) if isinstance(sets, dict) else []
-    for box in (uncertainty, *others):
+    others = sets if isinstance(sets, dict) else {}
+    boxes = {"uncertainty": uncertainty} | {
+        f"uncertainty.sets.{key}": others[key] for key in others
+    }
+    for key, box in boxes.items():
         if not isinstance(box, dict) or not isinstance(box.get("measured"), list):
             continue
+        folder = layers.folder_of(f"{key}.measured")
         box["measured"] = [
-            _member(study.parent, file) if isinstance(file, str) else file
-            for file in box["measured"]
+            _member(folder, file) if isinstance(file, str) else file for file in box["measured"]
         ]
 
 

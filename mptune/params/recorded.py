@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
+    from mptune.params.layers import Layers
     from mptune.params.table import Table
 
 _REFERENCE = {"time": "s", "position": "m"}
@@ -25,39 +26,41 @@ _FEWEST_SAMPLES, _FEWEST_ROWS = 4, 2
 _PLAIN = {"", "1", "-"}
 
 
-def read_references(study: Path, values: dict[str, Any]) -> None:
+def read_references(layers: Layers) -> None:
     """Replace ``file`` in each manoeuvre by its samples and their duration, in place.
 
     A file has two columns with a header that names their units, ``time [s],position [mm]``, and
-    rising times. Its path is taken from the study's folder.
+    rising times. Its path is taken from the folder of the study that names it.
 
     Raises
     ------
     InputError
         If a file cannot be read or breaks a rule.
     """
-    manoeuvres = values.get("manoeuvre")
+    manoeuvres = layers.values.get("manoeuvre")
+    folder = layers.folder_of("manoeuvre")
     for move in manoeuvres if isinstance(manoeuvres, list) else []:
         if isinstance(move, dict) and isinstance(move.get("file"), str):
-            samples = _read(study.parent / move.pop("file"), _REFERENCE, _FEWEST_SAMPLES)
+            samples = _read(folder / move.pop("file"), _REFERENCE, _FEWEST_SAMPLES)
             move["samples"] = samples
             move["duration"] = f"{samples[-1][0] - samples[0][0]!r} s"
 
 
-def read_load_table(study: Path, values: dict[str, Any]) -> None:
+def read_load_table(layers: Layers) -> None:
     """Replace the ``table`` that ``[load]`` names by its rows, in place.
 
     The file has the columns ``position [mm],force [kN],inertia [-]``: load force added and factor
-    of the inertia at rising piston positions.
+    of the inertia at rising piston positions. Its path is taken from the folder of the study that
+    names it.
 
     Raises
     ------
     InputError
         If the file cannot be read or breaks a rule.
     """
-    load = values.get("load")
+    load: Any = layers.values.get("load")
     if isinstance(load, dict) and isinstance(load.get("table"), str):
-        path = study.parent / load["table"]
+        path = layers.folder_of("load.table") / load["table"]
         rows = _read(path, _LOAD_TABLE, _FEWEST_ROWS)
         if any(row[2] <= 0 for row in rows):
             raise InputError(path, Fault("inertia", "", "is not positive", "give factors above 0"))
