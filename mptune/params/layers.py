@@ -99,7 +99,7 @@ class Layers:
             for written, number in self.writers.items()
             if _is_within(written, key) or _is_within(key, written)
         ]
-        number = max(found, default=own) if key else own
+        number = max(found, default=own)
         return str(self.files[number]) if number <= own else _COMMAND_LINE
 
     def _lay(self, number: int, over: dict[str, Any], under: dict[str, Any], prefix: str) -> None:

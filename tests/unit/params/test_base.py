@@ -214,6 +214,11 @@ def test_a_source_of_a_section_stands_before_the_bases_of_a_single_value(child):
     assert study.source_of("cylinder.dead_volume_b") == "published: Table 1"
 
 
+def test_the_same_source_said_again_changes_nothing(child, boom):
+    text = '[controller]\nsampling_period = "10 ms"\n[sources]\ncontroller = "published: Table 2"\n'
+    assert load_study(child(text)).study.sources == boom.study.sources
+
+
 def test_a_replaced_list_loses_the_source_of_the_list_it_replaces(child):
     move = '[[manoeuvre]]\ndistance = "5 mm"\nduration = "1 s"\nrest = "0 s"\n'
     assert "crane/study.toml" in load_study(child(move)).study.source_of("manoeuvre")
@@ -251,6 +256,12 @@ def test_sources_that_are_no_texts_are_refused_in_words(child):
         ("", ('rest = "1 s"', 'rest = "1 m"'), "base", "manoeuvre[1].rest"),
         ("", ('rod = "40 mm"', 'rod = "90 mm"'), "base", "cylinder"),
         ("", ("points = 7\n", "points = 7.5\n"), "base", "uncertainty.points"),
+        (  # the longer key is another one's
+            '[oil]\nbulk_modulus_estimate = "1500 MPa"\n',
+            ('bulk_modulus = ["800 MPa"', 'bulk_modulus = ["800 mm"'),
+            "base",
+            "oil.bulk_modulus",
+        ),
         ('[cylinder]\nbore = "80 MPa"\n', ("#", "#"), "crane", "cylinder.bore"),
         ('[cylinder]\nbore = "30 mm"\n', ("#", "#"), "crane", "cylinder"),
         ("cylinder = 4\n", ("#", "#"), "crane", "cylinder"),
@@ -273,6 +284,13 @@ def test_faults_of_several_files_and_of_the_command_line_come_at_once(child, tmp
     assert lines[0].startswith(f"{tmp_path / 'base' / 'study.toml'}: `cylinder.bore`")
     assert lines[1].startswith("--set: `load.force`")
     assert lines[2].startswith(f"{path}: `gains.xi`")
+
+
+def test_what_a_replaced_table_held_is_missing_from_the_study_and_not_from_its_base(child):
+    path = child()
+    error = faults_of(path, ['load={force="5 kN"}'])
+    assert error.where == str(path)
+    assert "load.friction_coulomb" in {fault.key for fault in error.faults}
 
 
 def test_a_value_that_the_study_mends_is_no_fault_of_its_base(child):
