@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import tomllib
 
 import pytest
@@ -199,6 +201,19 @@ def test_a_file_from_before_there_were_formats_is_read(tmp_path):
     early = read_gains(path, HASH)
     assert (early.gains.tau, early.feedforward.acceleration_mass) == (0.0123, 20e3)
     path.write_text(EARLY.replace("0.0123", "0.0124"), encoding="utf-8")
+    with pytest.raises(InputError, match="edited or cut off"):
+        read_gains(path)
+
+
+def test_a_file_that_lacks_a_key_of_later_versions_is_whole_by_its_own_hash(tmp_path):
+    path = tmp_path / "gains.toml"
+    text = EARLY.replace("velocity_reference_lag = 0.0\n", "")
+    values = tomllib.loads(text)
+    stated = values.pop("content_hash")
+    own = hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+    path.write_text(text.replace(stated, own), encoding="utf-8")
+    assert read_gains(path).feedforward.velocity_reference_lag == 0.0
+    path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError, match="edited or cut off"):
         read_gains(path)
 
