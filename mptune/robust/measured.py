@@ -101,7 +101,7 @@ class ForceResponse:
 def _per_step(error: FloatArray) -> FloatArray:
     """Return the larger error of each step's two points; an end errs like its neighbour."""
     padded = np.concatenate([error[:1], error, error[-1:]])
-    return np.maximum(padded[:-1], padded[1:])
+    return np.asarray(np.maximum(padded[:-1], padded[1:]))
 
 
 @dataclass(frozen=True)
