@@ -13,7 +13,9 @@ imaginary part  imaginary, imag, im         1 (also -), or nothing
 coherence       coherence                   1 (also -), or nothing; the column may be missing
 ==============  ==========================  ===============================================
 
-Either magnitude and phase or real and imaginary part. Frequencies are positive and rise. Any other
+Either magnitude and phase or real and imaginary part. A phase that goes beyond half a turn is taken
+as it is written, step by step; one that stays within it is unwrapped. Frequencies are positive and
+rise. Any other
 column is refused, so that no misspelt one is overlooked.
 
 In a study, ``measured`` under ``[uncertainty]`` names such files. They are read at once, so that
@@ -23,10 +25,10 @@ before the hold of the sampled controller, to force: it holds G_F and the whole 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from mptune.errors import Fault, InputError
 from mptune.params.section import Section
@@ -59,6 +61,15 @@ class MeasuredResponse(Section):
     rows: tuple[tuple[float, float, float], ...] = Field(
         description="frequencies [rad/s], real and imaginary parts"
     )
+    phases: tuple[float, ...] = Field(
+        (), description="phases as written [rad], where they go beyond half a turn"
+    )
+
+    @model_validator(mode="after")
+    def _phases_fit(self) -> Self:
+        if len(self.phases) not in {0, len(self.rows)}:
+            raise ValueError("give as many phases as rows, or none")
+        return self
 
 
 class ResponseTable(NamedTuple):
@@ -67,6 +78,7 @@ class ResponseTable(NamedTuple):
     omega: FloatArray  # (F,) rad/s
     response: ComplexArray  # (F,)
     coherence: FloatArray  # (F,), NaN where not known
+    phase: FloatArray | None = None  # (F,) rad, as written where that is beyond half a turn
 
 
 def read_measured(layers: Layers) -> None:
@@ -103,7 +115,11 @@ def _member(folder: Path, file: str) -> dict[str, Any]:
         rule = "has a magnitude of zero, which has no phase"
         raise InputError(path, Fault("response", "", rule, "leave that row out"))
     rows = zip(table.omega, table.response.real, table.response.imag, strict=True)
-    return {"name": path.stem, "rows": [[float(cell) for cell in row] for row in rows]}
+    member: dict[str, Any] = {
+        "name": path.stem,
+        "rows": [[float(cell) for cell in row] for row in rows],
+    }
+    return member if table.phase is None else {**member, "phases": table.phase.tolist()}
 
 
 def read_response_table(path: Path, remedy: str = "check the path") -> ResponseTable:
@@ -130,12 +146,16 @@ def read_response_table(path: Path, remedy: str = "check the path") -> ResponseT
         magnitude = 10 ** (values["magnitude"] / 20) if decibels else values["magnitude"]
         response = magnitude * np.exp(1j * values["phase"])
     coherence = values.get("coherence", np.full(len(omega), np.nan))
-    _check(path, table.lines, ResponseTable(omega, response, coherence))
-    return ResponseTable(omega, response, coherence)
+    phase = values.get("phase")
+    if phase is not None and not np.any(np.abs(phase) > np.pi * (1 + 1e-9)):
+        phase = None  # wrapped into one turn
+    read = ResponseTable(omega, response, coherence, phase)
+    _check(path, table.lines, read)
+    return read
 
 
 def _check(path: Path, lines: tuple[int, ...], found: ResponseTable) -> None:
-    omega, response, coherence = found
+    omega, response, coherence, _ = found
     with np.errstate(invalid="ignore"):
         falls = np.diff(omega, prepend=0.0) <= 0
     rules = (

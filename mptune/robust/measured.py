@@ -37,17 +37,22 @@ class ForceResponse:
         Its file's name.
     omega, response
         ``(K,)`` measured frequencies [rad/s], rising, and the complex response there.
+    phase
+        ``(K,)`` its phase [rad] as it was followed; None where it is to be unwrapped.
     """
 
     name: str
     omega: FloatArray
     response: ComplexArray
+    phase: FloatArray | None = None
 
     @cached_property
     def _logarithm(self) -> FloatArray:
-        """``(2, K)``: log-magnitude and unwrapped phase."""
-        phase = np.unwrap(np.angle(self.response))
-        phase -= 2 * np.pi * np.rint(phase[0] / (2 * np.pi))
+        """``(2, K)``: log-magnitude and phase."""
+        phase = self.phase
+        if phase is None:
+            phase = np.unwrap(np.angle(self.response))
+            phase = phase - 2 * np.pi * np.rint(phase[0] / (2 * np.pi))
         return np.stack([np.log(np.abs(self.response)), phase])
 
     @cached_property
@@ -174,7 +179,8 @@ def members_of(study: ResolvedStudy, plants: Plants) -> Members | None:
     responses = []
     for one in box.measured:
         omega, real, imaginary = np.array(one.rows).T
-        responses.append(ForceResponse(one.name, omega, real + 1j * imaginary))
+        phase = np.array(one.phases) if one.phases else None
+        responses.append(ForceResponse(one.name, omega, real + 1j * imaginary, phase))
     return Members(tuple(responses), np.unique(plants.mass), box.measured_place == "instead")
 
 
