@@ -80,8 +80,11 @@ def _refined_sides(
     for _ in range(_ROUNDS):
         curves = _curves(found, omega, model.limits)
         new = [refinement(omega, curve) for curve in curves]
-        if any(int(np.argmax(curve)) == 0 for curve in curves):
+        tops = {int(np.argmax(curve)) for curve in curves}
+        if 0 in tops:
             new.append(omega[0] / np.array([10.0, 3.0]))  # the worst may lie lower still
+        if len(omega) - 1 in tops:
+            new.append(omega[-1] * np.array([1.5, 3.0, 10.0]))  # or higher
         before = curves.max(axis=1)
         added = np.unique(np.concatenate(new))
         omega = np.concatenate([omega, added])
@@ -110,7 +113,9 @@ def _bracket(omega: FloatArray, curve: FloatArray) -> float:
     worst = int(np.argmax(curve))
     if worst == 0:
         return 0.0  # the limit of vanishing frequency has no lower end
-    return float((omega[min(worst + 1, len(omega) - 1)] - omega[worst - 1]) / omega[worst])
+    if worst == len(omega) - 1:
+        return np.inf  # a maximum at the upper end may lie beyond it
+    return float((omega[worst + 1] - omega[worst - 1]) / omega[worst])
 
 
 def _merged(old: Sides, new: Sides, order: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Sides:
