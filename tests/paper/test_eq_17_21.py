@@ -82,9 +82,7 @@ def test_the_error_of_eq_17_depends_on_no_gain_and_that_of_eq_21_on_the_velocity
     published = model.gains
     position = published._replace(k_p_pos=5.0, k_i_pos=50.0, omega=60.0, xi=0.9, tau=0.01)
     velocity = published._replace(k_p_vel=300e3)
-    left = [
-        model.sides(omega, gains, plants).left for gains in (published, position, velocity)
-    ]
+    left = [model.sides(omega, gains, plants).left for gains in (published, position, velocity)]
     np.testing.assert_array_equal(left[0], left[1])
     np.testing.assert_array_equal(left[0][0], left[2][0])
     assert not np.allclose(left[0][1], left[2][1])
