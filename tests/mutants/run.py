@@ -29,7 +29,7 @@ from kept import ROOT, Mutant, kept_mutants
 BUDGET = 120.0  # s, of one mutant's tests
 _FIRST_RUN = 900.0  # s, of all tests unchanged: kernels may have to be compiled
 _LEFT_OUT = (".*", "__pycache__", "*.egg-info", "reports", "build", "site")
-_BLAMED = re.compile(r"^(?:FAILED|ERROR) (\S+)", re.MULTILINE)
+_BLAMED = re.compile(r"^(?:FAILED|ERROR) (.+?)(?: - .*)?$", re.MULTILINE)
 
 
 class Verdict(StrEnum):
@@ -69,6 +69,7 @@ def run_tests(
         "PYTHONDONTWRITEBYTECODE": "1",  # two changes of one second and size would look the same
         "NUMBA_CACHE_DIR": str(copy / ".kernels"),
         "NUMBA_DISABLE_JIT": "0" if compiled else "1",
+        "HYPOTHESIS_PROFILE": "unshrunk",
     }
     marks = "not bench" if compiled else "not bench and not compiled"
     options = ["-x", "-q", "--tb=no", "-p", "no:cacheprovider", "-m", marks]
