@@ -1,59 +1,64 @@
-"""From study objects to kernel tuples: numbers that are computed on the way, against their laws."""
+"""Families of plants as kernels take them: rows picked out, and families one behind the other."""
 
 from __future__ import annotations
 
-import math
-
+import numpy as np
 import pytest
 
-from mptune.params.pack import pack_feedforward, pack_filters, pack_machine, pack_signals
+from mptune.params.pack import Plant, Plants
+
+FEW = (
+    Plant(24500.0, 0.011, 0.0, 0.0, 0.5),
+    Plant(30000.0, 0.014, 0.001, 0.002, 0.57),
+    Plant(49000.0, 0.0215, 0.0122, 0.0119, 0.6),
+)
 
 
-def machine_of(study):
-    return pack_machine(study, 24500.0, 1.2e9, 9700.0)
+def family(*plants):
+    return Plants(*np.array(plants).T.copy())
 
 
-def test_a_hose_s_resistance_is_that_of_hagen_and_poiseuille(load_boom):
-    """Δp = 128 μ l Q/(π d⁴), and another length for each side."""
-    study = load_boom("hose.dynamics=true", "hose.length_b=1.3 m")
-    hose, machine = study.study.hose, machine_of(study)
-    per_metre = 128 * hose.oil_viscosity / (math.pi * hose.diameter**4)
-    assert machine.line_resistance == pytest.approx(0.8 * per_metre, rel=1e-12)
-    assert machine.line_resistance_b == pytest.approx(1.3 * per_metre, rel=1e-12)
+def rows_of(plants):
+    return [Plant(*row) for row in zip(*plants, strict=True)]
 
 
-def test_a_hose_s_inertance_is_its_oil_over_its_section(load_boom):
-    """Δp = ρ l/A dQ/dt; none where the hose is part of its chamber."""
-    study = load_boom("hose.dynamics=true", "hose.length_b=1.3 m")
-    hose, machine = study.study.hose, machine_of(study)
-    per_metre = hose.oil_density / (math.pi * hose.diameter**2 / 4)
-    assert machine.line_inertance == pytest.approx(0.8 * per_metre, rel=1e-12)
-    assert machine.line_inertance_b == pytest.approx(1.3 * per_metre, rel=1e-12)
-    assert machine_of(load_boom()).line_inertance == 0.0
+def test_a_family_has_the_columns_of_a_plant():
+    assert Plants._fields == Plant._fields
+    assert family(*FEW).number == 3
+    assert family(FEW[1]).number == 1
 
 
-def test_a_chamber_s_dead_volume_holds_its_hose(boom):
-    cylinder, hose, machine = boom.study.cylinder, boom.study.hose, machine_of(boom)
-    assert (machine.hose_a, machine.hose_b) == (hose.volume_a, hose.volume_b)
-    assert machine.dead_a == cylinder.dead_volume_a + hose.volume_a
-    assert machine.dead_b == cylinder.dead_volume_b + hose.volume_b
+@pytest.mark.parametrize(
+    ("rows", "expected"),
+    [
+        ([2, 0], [2, 0]),
+        ([1, 1], [1, 1]),
+        ([True, False, True], [0, 2]),
+        ([False, True, False], [1]),
+        ([False] * 3, []),
+    ],
+)
+def test_plants_are_picked_by_number_or_by_mask(rows, expected):
+    found = family(*FEW).picked(np.array(rows))
+    assert rows_of(found) == [FEW[n] for n in expected]
+    assert found.number == len(expected)
 
 
-def test_each_filter_has_the_pole_of_its_own_time_constant(boom):
-    """12, 4.5 and 24 ms at 0.5 ms (§5.2): a first-order filter loses all but 1/e of a step."""
-    signals, path = pack_signals(boom.study.controller), pack_filters(boom.study.controller)
-    for pole, time_constant in (
-        (signals.position_pole, 12e-3),
-        (signals.pressure_pole, 4.5e-3),
-        (signals.supply_pole, 24e-3),
-        (path.filter_pole, 12e-3),
-    ):
-        assert pole ** (time_constant / 0.5e-3) == pytest.approx(1 / math.e, rel=1e-12)
+def test_picked_columns_are_whole_copies_as_kernels_want_them():
+    plants = Plants(*np.array(FEW).T)  # columns with gaps between their values
+    found = plants.picked(np.array([0, 2]))
+    assert not any(column.flags.c_contiguous for column in plants)
+    assert all(column.flags.c_contiguous for column in found)
+    found.mass[0] = 1.0
+    assert plants.mass[0] == 24500.0
 
 
-def test_a_lag_of_the_feed_forward_has_the_pole_of_its_own_time_constant(load_boom):
-    study = load_boom("feedforward.reference_lag=8 ms", "feedforward.velocity_reference_lag=3 ms")
-    packed = pack_feedforward(study.study.feedforward, 5e-4)
-    assert packed.reference_pole == pytest.approx(math.exp(-5e-4 / 8e-3), rel=1e-12)
-    assert packed.velocity_reference_pole == pytest.approx(math.exp(-5e-4 / 3e-3), rel=1e-12)
-    assert pack_feedforward(load_boom().study.feedforward, 5e-4)[1:] == (0.0, 0.0)
+def test_plants_behind_others_keep_their_order():
+    found = family(*FEW[:2]).followed_by(family(FEW[2], FEW[0]))
+    assert rows_of(found) == [FEW[0], FEW[1], FEW[2], FEW[0]]
+
+
+def test_what_is_picked_from_both_parts_is_what_was_put_together():
+    whole = family(*FEW)
+    light = whole.mass < 40e3
+    assert rows_of(whole.picked(light).followed_by(whole.picked(~light))) == rows_of(whole)
