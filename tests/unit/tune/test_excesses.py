@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mptune.params.load import load_study
 from mptune.params.pack import Plants
 from mptune.robust.model import LinearModel
 from mptune.robust.sweep import sweep
@@ -149,29 +148,13 @@ def test_short_delays_leave_no_sampled_loop_to_ask(load_boom):
 
 
 @pytest.fixture
-def measured(study_file, tmp_path):
+def measured(load_measured):
     """Return the boom study with one measured force response: slow, within a band."""
 
     def study(delay, *overrides, place="beside", low=0.05, high=600.0):
         omega = np.geomspace(low, high, 400)
         force = np.exp(-1j * omega * delay) / (1 + 1j * omega * 0.012)
-        lines = ["frequency [rad/s],real,imaginary"]
-        lines += [
-            f"{w!r},{g.real!r},{g.imag!r}"
-            for w, g in zip(omega.tolist(), force.tolist(), strict=True)
-        ]
-        (tmp_path / "rig.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        path = tmp_path / "study.toml"
-        path.write_text(study_file.read_text(encoding="utf-8"), encoding="utf-8")
-        return load_study(
-            path,
-            [
-                'uncertainty.measured=["rig.csv"]',
-                f'uncertainty.measured_place="{place}"',
-                "uncertainty.points=2",
-                *overrides,
-            ],
-        )
+        return load_measured(omega, force, *overrides, place=place)
 
     return study
 
