@@ -10,7 +10,8 @@ import numpy as np
 from mptune.params.pack import LoopGains, Plants, pack_feedforward
 from mptune.robust.condition import nominal_loops
 from mptune.sim.response import load_step, tracking
-from mptune.sim.sampled import SampledPlant, run_linear
+from mptune.sim.linear_machine import LinearMachine
+from mptune.sim.sampled import run_linear
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
@@ -166,7 +167,7 @@ def _as_sampled(task: Task, plants: Plants, choice: Choice, move: Moves) -> Floa
     ticks = round(move.duration / fast) // BINS * BINS
     found = np.empty((len(plants.mass), BINS))
     for n, (mass, delay, tau_a, tau_b) in enumerate(zip(*plants, strict=True)):
-        plant = SampledPlant(mass, delay - task.period / 2, tau_a, tau_b, task.share_a)
+        plant = LinearMachine(mass, delay - task.period / 2, tau_a, tau_b, task.share_a)
         wanted, position, velocity, _ = run_linear(
             plant, choice.gains, task.filters, task.period, move.pieces, ahead, ticks
         )
