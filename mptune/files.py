@@ -14,12 +14,18 @@ from typing import TYPE_CHECKING
 from mptune.errors import Fault, InputError, OutputError
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
 
-def read_text(path: Path) -> str:
+def read_text(path: Path, remedy: str = "check the path") -> str:
     """Return the text of a UTF-8 file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    remedy
+        What to do where there is no such file, or nothing in it: who writes it, say.
 
     Raises
     ------
@@ -29,12 +35,9 @@ def read_text(path: Path) -> str:
     try:
         text = path.read_bytes().decode("utf-8")
     except FileNotFoundError as error:
-        fault = Fault(
-            "", "", "does not exist", "check the path, or start one with `mptune new NAME`"
-        )
-        raise InputError(path, fault) from error
+        raise InputError(path, Fault("", "", "does not exist", remedy)) from error
     except IsADirectoryError as error:
-        fault = Fault("", "", "is a folder, not a file", "name the file inside it, e.g. study.toml")
+        fault = Fault("", "", "is a folder, not a file", "name the file inside it")
         raise InputError(path, fault) from error
     except UnicodeDecodeError as error:
         fault = Fault("", "", f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")
@@ -43,7 +46,7 @@ def read_text(path: Path) -> str:
         fault = Fault("", "", f"cannot be read: {error.strerror}", "check its permissions")
         raise InputError(path, fault) from error
     if not text.strip():
-        raise InputError(path, Fault("", "", "is empty", "write the study, or restore the file"))
+        raise InputError(path, Fault("", "", "is empty", remedy))
     return text
 
 
@@ -75,21 +78,11 @@ def write_whole(path: Path, content: bytes | str) -> Path:
         If the file cannot be written; an earlier file of that name is then untouched.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
-    return write_whole_with(path, lambda beside: beside.write_bytes(data))
-
-
-def write_whole_with(path: Path, write: Callable[[Path], object]) -> Path:
-    """Let ``write`` fill a file beside ``path``, then rename it into place.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written; an earlier file of that name is then untouched.
-    """
     beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
-        write(beside)
-        with beside.open("rb") as stream:
+        with beside.open("wb") as stream:
+            stream.write(data)
+            stream.flush()
             os.fsync(stream.fileno())
         beside.replace(path)
     except OSError as error:

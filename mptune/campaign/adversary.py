@@ -19,13 +19,13 @@ from mptune.campaign.result import LEAST_IS_WORST, draw_json
 from mptune.campaign.simulate import FIGURES, Controlled, RunRows, simulate_rows
 from mptune.errors import Fault, InputError
 from mptune.params.gains import version
+from mptune.progress import silent
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from mptune.arrays import FloatArray
     from mptune.campaign.plan import Plan
     from mptune.campaign.workers import Workers
+    from mptune.progress import Progress
 
 SEARCH_NOISE = 0  # number of the run whose noise all candidates meet
 _OTHER_NOISE = range(1, 9)
@@ -79,7 +79,7 @@ def find_worst(
     figure: str,
     team: Workers,
     evaluations: int = 400,
-    progress: Callable[[int, int], None] = lambda _done, _runs: None,
+    progress: Progress = silent,
 ) -> WorstMachine:
     """Search the campaign's box for the machine with the worst figure.
 
@@ -102,7 +102,7 @@ def find_worst(
         draws = [_inside(plan, candidate) for candidate in candidates.T]
         values = -_badness(figure, _run(plan, draws, [SEARCH_NOISE] * len(draws), team))
         done += len(draws)
-        progress(done, total)
+        progress("search for the worst", done / total)
         return values
 
     found = differential_evolution(

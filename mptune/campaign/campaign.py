@@ -8,14 +8,16 @@ from typing import TYPE_CHECKING
 from mptune.campaign.simulate import Controlled, simulate_rows
 from mptune.campaign.store import CampaignStore
 from mptune.params.gains import version
+from mptune.progress import silent
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
     from pathlib import Path
 
     from mptune.campaign.plan import Plan
     from mptune.campaign.result import CampaignResult
     from mptune.campaign.workers import Workers
+    from mptune.progress import Progress
 
 _BLOCK = 8  # runs per task: about half a second
 
@@ -24,7 +26,7 @@ def run_campaign(
     plan: Plan,
     folder: Path,
     team: Workers,
-    progress: Callable[[int, int], None] = lambda _done, _runs: None,
+    progress: Progress = silent,
     *,
     resume: bool = False,
 ) -> CampaignResult:
@@ -39,7 +41,7 @@ def run_campaign(
     team
         Who runs it; the results do not depend on that.
     progress
-        Called with the runs done and the runs in all.
+        Told of the stage ``"runs"``.
     resume
         Go on where an earlier campaign was interrupted.
 
@@ -60,13 +62,11 @@ def run_campaign(
     return done
 
 
-def _run_missing(
-    plan: Plan, store: CampaignStore, team: Workers, progress: Callable[[int, int], None]
-) -> None:
+def _run_missing(plan: Plan, store: CampaignStore, team: Workers, progress: Progress) -> None:
     missing = store.missing()
     blocks = [block for number in missing for block in _blocks(plan.chunks[number])]
     runs_done = plan.runs - sum(len(block) for block in blocks)
-    progress(runs_done, plan.runs)
+    progress("runs", runs_done / plan.runs)
     if not blocks:
         return
     shared = Controlled(plan.study, plan.gains, plan.feedforward)
@@ -81,7 +81,7 @@ def _run_missing(
             for _ in _blocks(plan.chunks[number]):
                 rows.append(next(results))
                 runs_done += len(rows[-1].number)
-                progress(runs_done, plan.runs)
+                progress("runs", runs_done / plan.runs)
             store.write_chunk(number, rows)
 
 

@@ -15,8 +15,9 @@ import numpy as np
 from mptune.campaign.draw import PARAMETER_UNITS
 from mptune.campaign.result import CampaignResult
 from mptune.campaign.simulate import FIGURES, RunRows
+from mptune.datasets import read_dataset, write_dataset
 from mptune.errors import Fault, InputError
-from mptune.files import make_folder, write_whole_with
+from mptune.files import make_folder
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from mptune.campaign.plan import Plan
 
 _IDENTITY = "campaign_identity"
+_REMEDY = "delete it; --resume runs it again"
 _FIGURE_UNITS = ("ms", "J/mm", "J/mm", "kN^2 s", "mm", "mm/s", "1", "mm", "MPa", "MPa", "1")
 
 
@@ -79,7 +81,7 @@ class CampaignStore:
         """Return the campaign if its one file stands already; None where it does not."""
         if not self.path.exists():
             return None
-        dataset = self._load(self.path)
+        dataset = read_dataset(self.path, _REMEDY)
         if dataset.attrs.get(_IDENTITY) != self._identity:
             return None
         return self._result(dataset)
@@ -98,7 +100,7 @@ class CampaignStore:
             [status for one in rows for status in one.status],
             [reason for one in rows for reason in one.reason],
         )
-        _write(self._chunk(number), dataset)
+        write_dataset(self._chunk(number), dataset)
 
     def merge(self) -> CampaignResult:
         """Make one file of all chunks, then remove them.
@@ -115,7 +117,7 @@ class CampaignStore:
         chunks = [self._read(self._chunk(number)) for number in range(len(self._plan.chunks))]
         dataset = xr.concat(chunks, "run", combine_attrs="override")
         result = self._result(dataset)
-        _write(self.path, dataset)
+        write_dataset(self.path, dataset)
         self.discard_chunks()
         return result
 
@@ -130,7 +132,7 @@ class CampaignStore:
         return self.chunk_folder / f"chunk-{number:06d}.nc"
 
     def _read(self, path: Path) -> xr.Dataset:
-        dataset = self._load(path)
+        dataset = read_dataset(path, _REMEDY)
         if dataset.attrs.get(_IDENTITY) != self._identity:
             fault = Fault(
                 _IDENTITY,
@@ -141,16 +143,6 @@ class CampaignStore:
             )
             raise InputError(path, fault)
         return dataset
-
-    def _load(self, path: Path) -> xr.Dataset:
-        import xarray as xr
-
-        try:
-            with xr.open_dataset(path, engine="h5netcdf") as dataset:
-                return dataset.load()
-        except (OSError, ValueError, KeyError) as error:
-            fault = Fault("", "", f"cannot be read: {error}", "delete it; --resume runs it again")
-            raise InputError(path, fault) from error
 
     def _result(self, dataset: xr.Dataset) -> CampaignResult:
         if not np.array_equal(dataset["run"], np.arange(self._plan.runs)):
@@ -194,7 +186,3 @@ class CampaignStore:
             "feedforward": json.dumps(values["feedforward"]),
         }
         return xr.Dataset(data, {"run": index}, attributes)
-
-
-def _write(path: Path, dataset: xr.Dataset) -> None:
-    write_whole_with(path, lambda beside: dataset.to_netcdf(beside, engine="h5netcdf"))

@@ -103,7 +103,7 @@ def _worst(
     from mptune.cli import show, show_campaign
     from mptune.job.campaign import worst_machine
 
-    with show_campaign.progress(quiet=quiet) as report:
+    with show.progress(quiet=quiet) as report:
         found, files = worst_machine(plan, figure, out, report, **team)
     if json:
         show.as_json(found.json())
@@ -120,7 +120,7 @@ def _campaign(
     from mptune.job.campaign import campaign_study
 
     try:
-        with show_campaign.progress(quiet=quiet) as report:
+        with show_campaign.progress(plan.runs, quiet=quiet) as report:
             result, files = campaign_study(plan, out, report, resume=resume, **team)
     except KeyboardInterrupt:
         sys.stderr.write("mptune: finished chunks are kept; go on with --resume\n")

@@ -18,7 +18,7 @@ from mptune.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from mptune.job.run import JobResult
+    from mptune.job.result import JobResult
 
 
 def run(

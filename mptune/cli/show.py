@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import Progress as Bars
 from rich.table import Table
 from rich.text import Text
 
@@ -21,10 +22,11 @@ from mptune.robust.tables import EQUATIONS, margin_rows, place_text, undecided_t
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable, Iterator
+    from collections.abc import Iterable, Iterator
     from pathlib import Path
 
     from mptune.params.section import Section
+    from mptune.progress import Progress
     from mptune.robust.result import Check, SweepResult
     from mptune.verify.result import VerifyResult
 
@@ -50,11 +52,11 @@ def _sayable(value: Any) -> Any:
 
 
 @contextmanager
-def progress(*, quiet: bool) -> Iterator[Callable[[str, float], None]]:
+def progress(*, quiet: bool) -> Iterator[Progress]:
     """Yield a function that takes a stage's name and the share of it that is done."""
     errors = Console(stderr=True)
     columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    bars = Progress(*columns, console=errors, transient=True, disable=quiet)
+    bars = Bars(*columns, console=errors, transient=True, disable=quiet)
     with interruptible() as check, bars:
         tasks: dict[str, Any] = {}
 

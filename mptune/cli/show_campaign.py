@@ -10,12 +10,12 @@ from rich.console import Console
 from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
-    Progress,
     ProgressColumn,
     SpinnerColumn,
     TextColumn,
     TimeRemainingColumn,
 )
+from rich.progress import Progress as Bars
 from rich.text import Text
 
 from mptune.campaign.draw import PARAMETER_UNITS
@@ -27,7 +27,7 @@ from mptune.cli.show import as_json, console, new_table, verdict
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Iterator
 
     from rich.progress import Task
 
@@ -35,6 +35,7 @@ if TYPE_CHECKING:
     from mptune.campaign.draw import Draw
     from mptune.campaign.plan import Plan
     from mptune.campaign.result import CampaignResult
+    from mptune.progress import Progress
     from mptune.verify.result import CaseResult
 
 _SHOWN = (0.05, 0.5, 0.95)
@@ -48,8 +49,8 @@ class _Rate(ProgressColumn):
 
 
 @contextmanager
-def progress(*, quiet: bool) -> Iterator[Callable[[int, int], None]]:
-    """Yield a function that takes the runs done and the runs in all; show rate and time left."""
+def progress(runs: int, *, quiet: bool) -> Iterator[Progress]:
+    """Yield what is told the share of so many runs that is done; show their rate and time left."""
     columns = (
         SpinnerColumn(), TextColumn("runs"), BarColumn(), MofNCompleteColumn(), _Rate(),
         TimeRemainingColumn(),
@@ -57,13 +58,13 @@ def progress(*, quiet: bool) -> Iterator[Callable[[int, int], None]]:
     errors = Console(stderr=True)
     with (
         interruptible() as check,
-        Progress(*columns, console=errors, transient=True, disable=quiet) as bars,
+        Bars(*columns, console=errors, transient=True, disable=quiet) as bars,
     ):
         task = bars.add_task("runs", total=None)
 
-        def report(done: int, runs: int) -> None:
+        def report(_stage: str, share: float) -> None:
             check()
-            bars.update(task, total=runs, completed=done)
+            bars.update(task, total=runs, completed=round(share * runs))
 
         yield report
 

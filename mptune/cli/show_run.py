@@ -15,7 +15,7 @@ from mptune.units import number, shown
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mptune.job.run import JobResult
+    from mptune.job.result import JobResult
     from mptune.params.section import Section
     from mptune.sim.sampled import LinearMove
 

@@ -2,14 +2,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mptune.figures.style import LIMIT, NOMINAL, WORST, band, legend_below, new_figure, style
 from mptune.loops.broken import POSITION, VELOCITY
-from mptune.loops.family import nominal_plants
-from mptune.params.pack import Plants, pack_filters, pack_gains, pack_nominal, pack_path
+from mptune.params.pack import NO_PATH
 from mptune.robust.curves import loop_curves
 
 if TYPE_CHECKING:
@@ -35,26 +35,21 @@ def bode_plots(result: SweepResult) -> Figure:
 
 
 def _draw(magnitude: Axes, phase: Axes, result: SweepResult, which: int) -> None:
-    study, gains = result.study, pack_gains(result.gains)
-    condition = result.conditions[which]
-    share_a, path = study.study.cylinder.share_a, pack_path(study)
+    model, gains, condition = result.model, result.gains, result.conditions[which]
     low = max(float(result.omega[0]), 0.2 * (gains.k_p_pos if which == POSITION else 5.0))
     omega = np.geomspace(low, min(float(result.omega[-1]), 500.0), _POINTS)
-    family = loop_curves(which, omega, result.plants, share_a, gains, path)
-    nominal = loop_curves(which, omega, nominal_plants(pack_nominal(study)), 0.5, gains, path)
-    at = condition.at
-    worst_plant = Plants(
-        *(np.array([value]) for value in (at.mass_kg, at.delay_s, at.tau_a_s, at.tau_b_s))
-    )
-    worst = loop_curves(which, omega, worst_plant, share_a, gains, path)
-    filters = pack_filters(study.study.controller)
-    measured = loop_curves(which, omega, worst_plant, share_a, gains, filters)
+    family = loop_curves(which, omega, model.loops(gains))
     band(magnitude, omega, _decibel(family), "family")
     band(phase, omega, _degrees(family), "family")
-    lines = [(nominal, "nominal plant", NOMINAL), (worst, "worst plant", WORST)]
-    if path.sample_time == 0:
-        dotted = {**WORST, "linestyle": ":"}
-        lines.append((measured, "worst plant, with measurement path", dotted))
+    nominal = loop_curves(which, omega, model.nominal_loop(gains))
+    lines = [(nominal, "nominal plant", NOMINAL)]
+    if condition.at.response is None:
+        worst = model.loops(gains, plants=model.plant(condition.at))
+        lines.append((loop_curves(which, omega, worst), "worst plant", WORST))
+        if model.path == NO_PATH:
+            measured = loop_curves(which, omega, replace(worst, path=model.filters))
+            dotted = {**WORST, "linestyle": ":"}
+            lines.append((measured, "worst plant, with measurement path", dotted))
     for loop, label, look in lines:
         magnitude.plot(omega, _decibel(loop)[0], label=label, **look)
         phase.plot(omega, _degrees(loop)[0], label=label, **look)

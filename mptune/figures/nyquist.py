@@ -8,15 +8,14 @@ import numpy as np
 
 from mptune.figures.style import EDGE, LIMIT, NOMINAL, WORST, legend_below, new_figure, style
 from mptune.loops.broken import FORCE, VELOCITY
-from mptune.loops.family import nominal_plants
-from mptune.params.pack import Plants, pack_filters, pack_gains, pack_nominal, pack_path
+from mptune.params.pack import NO_PATH
 from mptune.robust.curves import loop_curves
-from mptune.robust.encirclements import single
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from mptune.params.pack import Plants
     from mptune.robust.encirclements import Encirclements
     from mptune.robust.result import SweepResult
 
@@ -44,23 +43,22 @@ def _title(loop: int, counts: tuple[Encirclements, ...]) -> str:
 
 
 def _draw(axes: Axes, result: SweepResult, loop: int) -> None:
-    study, gains = result.study, pack_gains(result.gains)
-    share_a, path = study.study.cylinder.share_a, pack_path(study)
+    model, gains = result.model, result.gains
     omega = np.geomspace(_LOWEST, _HIGHEST, _POINTS)
-    corners = loop_curves(loop, omega, _corners(result.plants), share_a, gains, path)
+    corners = loop_curves(loop, omega, model.loops(gains, plants=_corners(model.plants)))
     for n, curve in enumerate(corners):
         label = "corners of the family" if n == 0 else None
         axes.plot(curve.real, curve.imag, label=label, **{**EDGE, "linewidth": 0.5, "alpha": 0.7})
-    nominal = loop_curves(loop, omega, nominal_plants(pack_nominal(study)), 0.5, gains, path)[0]
+    nominal = loop_curves(loop, omega, model.nominal_loop(gains))[0]
     axes.plot(nominal.real, nominal.imag, label="nominal plant", **NOMINAL)
     at = (result.velocity if loop == VELOCITY else result.position).at
     if at.response is None:
-        looks = [(path, "worst plant", WORST)]
-        if path.sample_time == 0:
+        looks = [(model.path, "worst plant", WORST)]
+        if model.path == NO_PATH:
             words = "worst plant, with measurement path"
-            looks.append((pack_filters(study.study.controller), words, {**WORST, "linestyle": ":"}))
-        for one, label, look in looks:
-            curve = loop_curves(loop, omega, single(at), share_a, gains, one)[0]
+            looks.append((model.filters, words, {**WORST, "linestyle": ":"}))
+        for path, label, look in looks:
+            curve = loop_curves(loop, omega, model.loops(gains, path, model.plant(at)))[0]
             axes.plot(curve.real, curve.imag, label=label, **look)
     turn = np.linspace(0, 2 * np.pi, 200)
     circle = {**LIMIT, "linewidth": 0.8}
@@ -76,4 +74,4 @@ def _corners(plants: Plants) -> Plants:
     ends = np.ones(len(plants.mass), np.bool_)
     for column in plants:
         ends &= (column == column.min()) | (column == column.max())
-    return Plants(*(np.ascontiguousarray(column[ends]) for column in plants))
+    return plants.picked(ends)

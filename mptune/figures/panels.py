@@ -18,9 +18,6 @@ from mptune.figures.style import (
     new_figure,
     style,
 )
-from mptune.loops.family import nominal_plants
-from mptune.params.pack import LoopGains, Plants, pack_gains, pack_nominal, pack_path
-from mptune.robust.condition import nominal_loops
 from mptune.robust.curves import error_curves
 from mptune.robust.tables import EQUATIONS
 from mptune.sim.response import position_step, velocity_step
@@ -30,6 +27,8 @@ if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
     from mptune.arrays import FloatArray
+    from mptune.loops.family import FamilyLoops
+    from mptune.params.pack import LoopGains, Plants
     from mptune.robust.result import Condition, SweepResult
 
 _POINTS = 300
@@ -53,17 +52,15 @@ def four_panels(result: SweepResult) -> Figure:
 
 def _left_curves(result: SweepResult) -> tuple[FloatArray, FloatArray]:
     """Return frequencies and |Δ| of the whole family, ``(2, N, F)``; 0 where a plant has none."""
-    study = result.study
+    model = result.model
     omega = np.geomspace(result.omega[0], result.omega[-1], _POINTS)
-    nominal, gains = pack_nominal(study), pack_gains(result.gains)
-    loop = nominal_loops(omega, nominal, gains, pack_path(study))[0]
-    share_a = study.study.cylinder.share_a
-    curves = error_curves(omega, result.plants, nominal, share_a, loop)
-    members = result.members
+    loop = model.nominal_gains(omega, result.gains)[0]
+    curves = error_curves(omega, model.plants, model.nominal, loop)
+    members = model.members
     if members is None:
         return omega, curves
     curves[:, :, members.replaces(omega)] = 0.0
-    return omega, np.concatenate([curves, members.errors(omega, nominal, loop)], axis=1)
+    return omega, np.concatenate([curves, members.errors(omega, model.nominal, loop)], axis=1)
 
 
 def _draw_sides(
@@ -95,11 +92,12 @@ def _draw_sides(
 
 
 def _draw_steps(axes: Axes, result: SweepResult, condition: Condition) -> None:
-    study, gains = result.study, pack_gains(result.gains)
-    horizon = step_horizon(gains, result.plants)
+    model = result.model
+    family, nominal_loop = model.loops(result.gains), model.nominal_loop(result.gains)
+    horizon = step_horizon(family.gains, model.plants)
     time = np.linspace(0, horizon[0 if condition.name == "velocity" else 1], 401)
-    curves = _steps(result, result.plants, gains, condition.name, time)
-    nominal = _steps(result, nominal_plants(pack_nominal(study)), gains, condition.name, time)
+    curves = _steps(family, condition.name, time)
+    nominal = _steps(nominal_loop, condition.name, time)
     worst = int(np.argmax(np.abs(curves).max(axis=1)))
     band(axes, time, curves, "family")
     axes.plot(time, curves[worst], label="worst plant", **WORST)
@@ -118,13 +116,8 @@ def _draw_steps(axes: Axes, result: SweepResult, condition: Condition) -> None:
     )
 
 
-def _steps(
-    result: SweepResult, plants: Plants, gains: LoopGains, name: str, time: FloatArray
-) -> FloatArray:
-    share_a, path = result.study.study.cylinder.share_a, pack_path(result.study)
-    if name == "velocity":
-        return velocity_step(plants, share_a, gains.k_p_vel, path, time)
-    return position_step(plants, share_a, gains, path, time)
+def _steps(loops: FamilyLoops, name: str, time: FloatArray) -> FloatArray:
+    return velocity_step(loops, time) if name == "velocity" else position_step(loops, time)
 
 
 def step_horizon(gains: LoopGains, plants: Plants) -> tuple[float, float]:

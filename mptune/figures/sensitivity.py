@@ -17,8 +17,7 @@ from mptune.figures.style import (
     style,
 )
 from mptune.loops.broken import FORCE, POSITION, VELOCITY
-from mptune.loops.family import nominal_plants
-from mptune.params.pack import Plants, pack_filters, pack_gains, pack_nominal, pack_path
+from mptune.params.pack import NO_PATH
 from mptune.robust.curves import loop_curves
 from mptune.sim.response import load_step
 
@@ -50,23 +49,20 @@ def sensitivity_functions(result: SweepResult) -> Figure:
 
 
 def _draw(above: Axes, below: Axes, result: SweepResult, loop: int) -> None:
-    study, gains = result.study, pack_gains(result.gains)
-    share_a, path = study.study.cylinder.share_a, pack_path(study)
+    model, gains = result.model, result.gains
     omega = np.geomspace(1.0, min(float(result.omega[-1]), 500.0), _POINTS)
-    family = 1 / (1 + loop_curves(loop, omega, result.plants, share_a, gains, path))
-    nominal = loop_curves(loop, omega, nominal_plants(pack_nominal(study)), 0.5, gains, path)
+    family = 1 / (1 + loop_curves(loop, omega, model.loops(gains)))
+    nominal = loop_curves(loop, omega, model.nominal_loop(gains))
     highest = int(np.argmax(np.abs(family).max(axis=1)))
-    one = Plants(*(column[highest : highest + 1] for column in result.plants))
     worst = family[highest]
-    measured = 1 / (
-        1 + loop_curves(loop, omega, one, share_a, gains, pack_filters(study.study.controller))[0]
-    )
+    as_it_runs = model.as_it_runs(gains, model.plants.picked(np.array([highest])))
+    measured = 1 / (1 + loop_curves(loop, omega, as_it_runs)[0])
     for axes, less in ((above, 0), (below, 1)):  # T = 1 − S
         band(axes, omega, np.abs(less - family), "family")
         nominal_size = np.abs(less - 1 / (1 + nominal[0]))
         axes.plot(omega, nominal_size, label="nominal plant", **NOMINAL)
         axes.plot(omega, np.abs(less - worst), label="plant with the highest |S|", **WORST)
-        if path.sample_time == 0:
+        if model.path == NO_PATH:
             look = {**WORST, "linestyle": ":"}
             size = np.abs(less - measured)
             axes.plot(omega, size, label="the same, with measurement path", **look)
@@ -78,19 +74,19 @@ def _draw(above: Axes, below: Axes, result: SweepResult, loop: int) -> None:
 
 def load_response(result: SweepResult) -> Figure:
     """Draw the position after a load step over the family, per kilonewton."""
-    study, gains = result.study, pack_gains(result.gains)
-    share_a, path = study.study.cylinder.share_a, pack_path(study)
+    model, gains = result.model, result.gains
     time = np.linspace(0, _LONGEST / max(gains.k_p_pos, 1e-3), 301)
-    family = 1e6 * load_step(result.plants, share_a, gains, path, time)  # mm/kN
-    one = nominal_plants(pack_nominal(study))
-    nominal = 1e6 * load_step(one, 0.5, gains, path, time)[0]
+    family, nominal = (
+        1e6 * load_step(one, time)  # mm/kN
+        for one in (model.loops(gains), model.nominal_loop(gains))
+    )
     worst = int(np.argmax(np.abs(family).max(axis=1)))
     with style():
         figure = new_figure(2.5)
         axes = figure.subplots()
         band(axes, time, family, "family")
         axes.plot(time, family[worst], label="worst plant", **WORST)
-        axes.plot(time, nominal, label="nominal plant", **NOMINAL)
+        axes.plot(time, nominal[0], label="nominal plant", **NOMINAL)
         axes.axhline(0, **REFERENCE)
         low, high = float(family.min()), float(family.max())
         axes.set(xlabel="Time [s]", ylabel="Position [mm/kN]", xlim=(0, time[-1]))

@@ -18,15 +18,15 @@ from mptune.identify.result import FitStatus, IdentifyResult, Panel
 from mptune.loops.family import time_constants_at
 from mptune.loops.force_dynamics import force_dynamics
 from mptune.params.pack import pack_force, pack_machine, pack_signals
+from mptune.progress import silent
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from numpy.typing import NDArray
 
     from mptune.arrays import ComplexArray, FloatArray, IntArray
     from mptune.identify.excitation import Run
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
 
 _OUTSIDE = 0.1  # largest share of the time with a pressure outside its limits
 _LEAST_QUALITY = {Excitation.SINE: 0.0, Excitation.MULTISINE: 0.5, Excitation.CHIRP: 0.5}
@@ -52,7 +52,7 @@ class RunResponse(NamedTuple):
 def identify(
     study: ResolvedStudy,
     excitation: Excitation = Excitation.SINE,
-    progress: Callable[[float], None] = lambda _share: None,
+    progress: Progress = silent,
 ) -> IdentifyResult:
     """Simulate the force loop's frequency response at the study's operating points.
 
@@ -63,7 +63,7 @@ def identify(
     excitation
         Shape of the force reference.
     progress
-        Called with the share of the work that is done.
+        Told of the stage ``"identify"``.
 
     Raises
     ------
@@ -84,7 +84,7 @@ def identify(
     found = []
     for one in Parallel(n_jobs=-1, prefer="threads", return_as="generator")(jobs):
         found.append(one)
-        progress(len(found) / len(parts))
+        progress("identify", len(found) / len(parts))
     each = len(parts) // len(settings)
     panels = (
         _panel(study, setting, found[k * each : (k + 1) * each])

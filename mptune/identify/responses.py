@@ -25,8 +25,8 @@ def read_response(path: Path) -> FrequencyResponse:
         If the file cannot be read or breaks a rule.
     """
     table = read_response_table(path)
-    omega, response, coherence = (frozen(column) for column in table)
-    return FrequencyResponse(omega, response, coherence, path.stem)
+    columns = frozen(table.omega), frozen(table.response), frozen(table.coherence)
+    return FrequencyResponse(*columns, path.stem)
 
 
 def write_response(path: Path, response: FrequencyResponse) -> Path:

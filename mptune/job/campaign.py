@@ -12,15 +12,16 @@ from mptune.campaign.workers import workers
 from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
 from mptune.params.gains import accepted_gains
+from mptune.progress import silent
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
     from mptune.campaign.adversary import WorstMachine
     from mptune.campaign.plan import Plan
     from mptune.campaign.result import CampaignResult
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.verify.result import CaseResult
 
 
@@ -40,7 +41,7 @@ def planned(study: ResolvedStudy, gains: Path | None, *, force: bool = False) ->
 def campaign_study(
     plan: Plan,
     out: Path,
-    progress: Callable[[int, int], None] = lambda *_: None,
+    progress: Progress = silent,
     *,
     count: int | None = None,
     scheduler: str = "",
@@ -83,7 +84,7 @@ def worst_machine(
     plan: Plan,
     figure: str,
     out: Path,
-    progress: Callable[[int, int], None] = lambda *_: None,
+    progress: Progress = silent,
     *,
     count: int | None = None,
     scheduler: str = "",

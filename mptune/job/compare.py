@@ -14,17 +14,21 @@ from mptune.errors import Fault, InputError
 from mptune.files import make_folder, read_text, write_whole
 from mptune.params.gains import GainsFile, read_gains
 from mptune.params.load import load_study, parse_toml
+from mptune.progress import silent
 from mptune.robust.sweep import sweep
 from mptune.sim.sampled import linear_moves
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
     from pathlib import Path
 
     from mptune.params.controller import Feedforward
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
+
+_REMEDY = "check the path: `mptune tune STUDY` writes gains, `mptune new NAME` starts a study"
 
 
 @dataclass(frozen=True)
@@ -85,7 +89,7 @@ def compare(
     sources: Sequence[Path],
     study: Path | None,
     out: Path,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = silent,
     *,
     overrides: Sequence[str] = (),
     uncertainty: str = "",
@@ -132,7 +136,7 @@ def _entries(
 ) -> list[_Entry]:
     """Return what each source stands for; studies first, as gains files may need them."""
     frame = load_study(study, overrides, uncertainty) if study else None
-    texts = {path: parse_toml(path, read_text(path)) for path in sources}
+    texts = {path: parse_toml(path, read_text(path, _REMEDY)) for path in sources}
     files = {path: read_gains(path) for path, values in texts.items() if "study_hash" in values}
     studies = {
         path: load_study(path, overrides, uncertainty) for path in sources if path not in files

@@ -17,12 +17,14 @@ from mptune.export.table import as_json, as_toml
 from mptune.files import make_folder, write_whole
 from mptune.params.gains import accepted_gains, now, read_gains
 from mptune.params.load import load_study
+from mptune.progress import silent
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from mptune.params.gains import GainsFile
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
 
 
 @dataclass(frozen=True)
@@ -72,7 +74,7 @@ def export(
     precision: Precision = Precision.DOUBLE,
     digits: int | None = None,
     force: bool = False,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = silent,
 ) -> ExportResult:
     """Export a gains file as the controller's files.
 

@@ -7,21 +7,22 @@ from typing import TYPE_CHECKING
 from mptune.files import make_folder, write_whole
 from mptune.identify.identify import check, identify
 from mptune.identify.store import write_identification
+from mptune.progress import silent
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
     from mptune.identify.excitation import Excitation
     from mptune.identify.result import IdentifyResult
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
 
 
 def identify_study(
     study: ResolvedStudy,
     excitation: Excitation,
     out: Path,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = silent,
 ) -> tuple[IdentifyResult, tuple[Path, ...]]:
     """Simulate the force loop's frequency response, store it, and draw Fig. 3.
 
@@ -33,7 +34,7 @@ def identify_study(
     check(study)
     folder = make_folder(out / study.name)
     progress("identify", 0.0)
-    result = identify(study, excitation, lambda share: progress("identify", share))
+    result = identify(study, excitation, progress)
     progress("figures", 0.0)
     files = [write_identification(folder / "identification.nc", result)]
     for delay in study.study.identification.valve_delays:

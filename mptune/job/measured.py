@@ -22,9 +22,9 @@ from mptune.identify.ranges import fitted_ranges, uncertainty_section
 from mptune.identify.responses import read_response, write_response
 from mptune.identify.spectrum import periodic_response, welch_response
 from mptune.identify.timeseries import read_record
+from mptune.progress import silent
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
     from mptune.arrays import FloatArray
@@ -33,6 +33,7 @@ if TYPE_CHECKING:
     from mptune.identify.timeseries import Asked, Record
     from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
 
 
 @dataclass(frozen=True)
@@ -94,7 +95,7 @@ def identify_data(
     study: ResolvedStudy,
     reading: Reading,
     out: Path,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = silent,
 ) -> tuple[MeasuredResult, tuple[Path, ...]]:
     """Read measured data, fit Eq. 11 and a dead time, and write responses and ranges.
 

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from mptune.job.run import JobResult
+    from mptune.job.result import JobResult
     from mptune.robust.encirclements import Encirclements
 
 

@@ -5,16 +5,17 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.files import make_folder, write_whole
+from mptune.progress import silent
 from mptune.robust.chain import chain
 from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
     from mptune.params.controller import Gains
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.robust.chain import Link
     from mptune.robust.result import SweepResult
 
@@ -23,7 +24,7 @@ def sweep_study(
     study: ResolvedStudy,
     gains: Gains | None,
     out: Path,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = silent,
 ) -> tuple[SweepResult, tuple[Link, ...], tuple[Path, ...]]:
     """Sweep one set of gains (the study's own where None), store it and draw its panels.
 

@@ -10,6 +10,7 @@ from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
 from mptune.job.leftovers import keep
 from mptune.params.gains import write_gains
+from mptune.progress import silent
 from mptune.sim.sampled import linear_moves
 from mptune.tune.baselines import Baseline, baselines
 from mptune.tune.front import Front, front
@@ -17,10 +18,10 @@ from mptune.tune.space import STRUCTURES
 from mptune.tune.tuner import tune
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.tune.result import TuneResult
 
 
@@ -46,7 +47,7 @@ class Tuning:
 def tune_study(
     study: ResolvedStudy,
     out: Path,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = silent,
     *,
     structure: str = "eq22",
     compare: bool = False,
@@ -77,19 +78,19 @@ def tune_study(
         raise InputError("command line", Fault("--structure", structure, "is not known", remedy))
     folder = make_folder(out / study.name)
     progress("tune", 0.0)
-    tuned = tune(study, lambda share: progress("tune", share), structure=structure)
+    tuned = tune(study, progress, structure=structure)
     moves = linear_moves(study, tuned.gains, tuned.feedforward)
     file = gains_file(tuned.sweep, tuned.feedforward, moves, None)
     files = [write_gains(folder / "gains.toml", file)]
     compared: tuple[Baseline, ...] = ()
     if compare:
         progress("compare", 0.0)
-        compared = baselines(study, tuned, lambda share: progress("compare", share))
+        compared = baselines(study, tuned, progress)
         files += compared_files(folder, study, compared)
     found = None
     if points:
         progress("front", 0.0)
-        found = front(study, points, lambda share: progress("front", share))
+        found = front(study, points, progress)
         files.append(_drawn(folder / "front.svg", found))
         files.append(keep(folder, "front", study, found.json()))
     return Tuning(tuned, compared, found, tuple(files))

@@ -6,15 +6,16 @@ from typing import TYPE_CHECKING
 
 from mptune.files import make_folder, write_whole
 from mptune.params.gains import accepted_gains
+from mptune.progress import silent
 from mptune.report.content.closed_loop import machine_figure
 from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
     from pathlib import Path
 
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.verify.result import VerifyResult
 
 
@@ -22,7 +23,7 @@ def verify_study(
     study: ResolvedStudy,
     gains: Path | None,
     out: Path,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = silent,
     *,
     force: bool = False,
 ) -> tuple[VerifyResult, tuple[Path, ...]]:
@@ -43,7 +44,7 @@ def verify_study(
         study,
         file.gains if file else None,
         file.feedforward if file else None,
-        lambda share: progress("verify", share),
+        progress,
     )
     progress("figures", 0.0)
     files = [write_traces(folder / "traces.nc", verified)]

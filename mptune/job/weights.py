@@ -10,21 +10,23 @@ from mptune.campaign.workers import workers
 from mptune.files import make_folder, write_whole
 from mptune.job.leftovers import keep
 from mptune.params.controller import Controller
+from mptune.progress import silent
 from mptune.weigh.trial import Weights
 from mptune.weigh.weigh import search_weights
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
     from pathlib import Path
 
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.weigh.result import WeightsResult
 
 
 def weights_study(
     study: ResolvedStudy,
     out: Path,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = silent,
     *,
     storage: str = "",
     trials: int = 80,

@@ -30,7 +30,7 @@ from mptune.signals.conditioning import filter_response, median_response
 from mptune.signals.differentiator import differentiator_over_s
 
 if TYPE_CHECKING:
-    from mptune.params.pack import LoopGains, MeasurementPath
+    from mptune.params.pack import LoopGains, MeasurementPath, Plant
 
 VELOCITY, POSITION, FORCE, SAMPLED = 0, 1, 2, 3
 NAMES = ("velocity", "position", "force")
@@ -96,15 +96,7 @@ def loop_around(
 
 @kernel
 def loop_gain(
-    which: int,
-    s: Complex,
-    mass: float,
-    delay: float,
-    tau_a: float,
-    tau_b: float,
-    share_a: float,
-    gains: LoopGains,
-    path: MeasurementPath,
+    which: int, s: Complex, plant: Plant, gains: LoopGains, path: MeasurementPath
 ) -> Complex:
     """Return the loop gain of one plant, broken at ``which``."""
-    return loop_around(which, s, true_velocity(s, mass, delay, tau_a, tau_b, share_a), gains, path)
+    return loop_around(which, s, true_velocity(s, plant), gains, path)

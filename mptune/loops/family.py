@@ -2,15 +2,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numba
 import numpy as np
 
-from mptune.arrays import ComplexArray, FloatArray, IntArray, Real, kernel, parallel_kernel
+from mptune.arrays import (
+    BoolArray,
+    ComplexArray,
+    FloatArray,
+    IntArray,
+    Real,
+    kernel,
+    parallel_kernel,
+)
 from mptune.loops.broken import FORCE, VELOCITY, loop_gain
 from mptune.loops.force_dynamics import force_dynamics, pressure_time_constant
+from mptune.loops.velocity import plant_at
 from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.plant.bulk import effective_bulk_modulus
 from mptune.signals.conditioning import filter_response
@@ -63,42 +72,53 @@ def plants_of(study: ResolvedStudy) -> Plants:
     tau_b = derived_b if isinstance(box.tau_b, str) else box.tau_b
     axes = [np.linspace(*pair, box.points) for pair in (box.mass, box.delay, tau_a, tau_b)]
     axes = [np.unique(axis) for axis in axes]  # a range without width is one point
-    mesh = np.meshgrid(*axes, indexing="ij")
-    return Plants(*(np.ascontiguousarray(axis.ravel()) for axis in mesh))
+    mesh = [np.ascontiguousarray(axis.ravel()) for axis in np.meshgrid(*axes, indexing="ij")]
+    share_a = np.full(len(mesh[0]), study.study.cylinder.share_a)
+    return Plants(*(*mesh, share_a))
 
 
 def nominal_plants(nominal: NominalPlant) -> Plants:
     """Return the nominal plant as a family of one: τ_A = τ_B = 0 makes Eq. 15 of Eq. 14."""
     zero = np.zeros(1)
-    return Plants(np.array([nominal.mass]), np.array([nominal.delay]), zero, zero)
+    return Plants(np.array([nominal.mass]), np.array([nominal.delay]), zero, zero, zero + 0.5)
 
 
 @dataclass(frozen=True)
 class FamilyLoops:
-    """The loops of a family broken at one place, as the encirclement count needs them.
+    """The loops of a family under one set of gains, broken at one place for the pole count.
 
     Attributes
     ----------
-    which
-        ``VELOCITY`` or ``FORCE``. (The position loop shares its closed-loop poles with ``FORCE``.)
     plants
         The family, ``(N,)``.
-    share_a
-        A_A/(A_A + A_B).
     gains, path
         Gains and measurement path.
+    which
+        ``VELOCITY`` or ``FORCE``. (The position loop shares its closed-loop poles with ``FORCE``.)
     """
 
-    which: int
     plants: Plants
-    share_a: float
     gains: LoopGains
     path: MeasurementPath
+    which: int = FORCE
 
     def __post_init__(self) -> None:
         """Refuse the position loop, whose inner loop may hold unstable poles of its own."""
         if self.which not in {VELOCITY, FORCE}:
             raise ValueError("count the closed-loop poles at FORCE: they are those of POSITION too")
+
+    def broken_at(self, which: int) -> FamilyLoops:
+        """Return the same loops, broken at ``VELOCITY`` or ``FORCE``."""
+        return replace(self, which=which)
+
+    def picked(self, rows: IntArray | BoolArray) -> FamilyLoops:
+        """Return the loops around some of the plants."""
+        return replace(self, plants=self.plants.picked(rows))
+
+    def scaled(self, factor: float) -> FamilyLoops:
+        """Return the loops with K_P,vel, and with it all of F_ref, multiplied."""
+        gains = self.gains._replace(k_p_vel=factor * self.gains.k_p_vel)
+        return replace(self, gains=gains)
 
     @property
     def integrators(self) -> int:
@@ -143,11 +163,11 @@ class FamilyLoops:
 
     def response(self, s: ComplexArray, rows: IntArray) -> ComplexArray:
         """Return L(s[i]) of plant rows[i]."""
-        return _responses(self.which, s, rows, self.plants, self.share_a, self.gains, self.path)
+        return _responses(self.which, s, rows, self.plants, self.gains, self.path)
 
     def bound(self, omega: FloatArray, rows: IntArray) -> FloatArray:
         """Return the sum of the moduli of the terms of L(jω)."""
-        return _bounds(self.which, omega, rows, self.plants, self.share_a, self.gains, self.path)
+        return _bounds(self.which, omega, rows, self.plants, self.gains, self.path)
 
     def rate(self, omega: FloatArray, rows: IntArray) -> FloatArray:
         """Return a bound of every term's |d ln/dω| at ω and beyond.
@@ -172,24 +192,12 @@ def _responses(
     s: ComplexArray,
     rows: IntArray,
     plants: Plants,
-    share_a: float,
     gains: LoopGains,
     path: MeasurementPath,
 ) -> ComplexArray:
     values = np.empty(len(s), np.complex128)
     for i in numba.prange(len(s)):
-        n = rows[i]
-        values[i] = loop_gain(
-            which,
-            s[i],
-            plants.mass[n],
-            plants.delay[n],
-            plants.tau_a[n],
-            plants.tau_b[n],
-            share_a,
-            gains,
-            path,
-        )
+        values[i] = loop_gain(which, s[i], plant_at(plants, rows[i]), gains, path)
     return values
 
 
@@ -209,18 +217,14 @@ def _bounds(
     omega: FloatArray,
     rows: IntArray,
     plants: Plants,
-    share_a: float,
     gains: LoopGains,
     path: MeasurementPath,
 ) -> FloatArray:
     values = np.empty(len(omega))
     for i in numba.prange(len(omega)):
-        n = rows[i]
-        s = 1j * omega[i]
-        plant = abs(force_dynamics(s, plants.tau_a[n], plants.tau_b[n], share_a))
+        s, plant = 1j * omega[i], plant_at(plants, rows[i])
+        size = abs(force_dynamics(s, plant.tau_a, plant.tau_b, plant.share_a))
         if path.sample_time > 0:
-            plant *= abs(filter_response(s, path.sample_time, path.filter_pole))
-        values[i] = (
-            gains.k_p_vel / (plants.mass[n] * omega[i]) * plant * _terms(which, omega[i], gains)
-        )
+            size *= abs(filter_response(s, path.sample_time, path.filter_pole))
+        values[i] = gains.k_p_vel / (plant.mass * omega[i]) * size * _terms(which, omega[i], gains)
     return values

@@ -24,11 +24,13 @@ import numba
 import numpy as np
 
 from mptune.arrays import BoolArray, Complex, ComplexArray, FloatArray, kernel, parallel_kernel
+from mptune.loops.velocity import plant_at
 from mptune.signals.differentiator import TAPS
 from mptune.signals.tustin import discrete_response, discretise
 
 if TYPE_CHECKING:
-    from mptune.params.pack import LoopGains, MeasurementPath, Plants
+    from mptune.loops.family import FamilyLoops
+    from mptune.params.pack import LoopGains, MeasurementPath, Plant, Plants
 
 _UNIT_CIRCLE = 1e-9  # a multiplier nearer to the circle than this is undecided
 _QUARTIC = 4  # degree of the plant's denominator in w
@@ -47,32 +49,19 @@ class SampledPlant(NamedTuple):
 
 @kernel
 def coefficient_count(longest_delay: float, path: MeasurementPath, period: float) -> int:
-    """Return M, enough coefficients for plants up to that delay, hold not counted [s]."""
-    ticks = round(period / path.sample_time)
-    return (
-        _QUARTIC + 1 + int(np.ceil(((ticks + _EXTRA) * path.sample_time + longest_delay) / period))
-    )
+    """Return M, enough coefficients for plants up to that total delay [s]."""
+    oldest = (round(period / path.sample_time) + _EXTRA) * path.sample_time
+    return _QUARTIC + 1 + int(np.ceil((oldest + (longest_delay - period / 2)) / period))
 
 
 @kernel
-def sampled_plant(
-    mass: float,
-    delay: float,
-    tau_a: float,
-    tau_b: float,
-    share_a: float,
-    path: MeasurementPath,
-    period: float,
-    count: int,
-) -> SampledPlant:
+def sampled_plant(plant: Plant, path: MeasurementPath, period: float, count: int) -> SampledPlant:
     """Return one plant with its measurement path as the controller samples it.
 
     Parameters
     ----------
-    mass, tau_a, tau_b, share_a
-        The plant of Eq. 15 [kg], [s], [s], A_A/(A_A + A_B).
-    delay
-        Valve and computation [s], at least 0; the hold is in the sampling.
+    plant
+        The plant of Eq. 15; its delay is at least T_S/2, which the sampling itself stands for.
     path
         Median, filter and Eq. 23; its sample time divides ``period``.
     period
@@ -81,15 +70,16 @@ def sampled_plant(
         Number of coefficients, see ``coefficient_count``.
     """
     ticks = round(period / path.sample_time)
-    factor_a = np.exp(-period / tau_a) if tau_a > 0 else 0.0
-    factor_b = np.exp(-period / tau_b) if tau_b > 0 else 0.0
+    factor_a = np.exp(-period / plant.tau_a) if plant.tau_a > 0 else 0.0
+    factor_b = np.exp(-period / plant.tau_b) if plant.tau_b > 0 else 0.0
+    delay = plant.delay - period / 2  # valve and computation
     position, velocity = np.zeros(count), np.zeros(count)
     terms = np.zeros(_QUARTIC + 1)
     for back in range(1, ticks + _EXTRA + 1):  # ticks before the controller reads
         age = (back * path.sample_time + delay) / period
         whole = int(np.ceil(age - 1e-12))
         within = max(whole - age, 0.0)
-        _position_terms(terms, within, mass, tau_a, tau_b, share_a, factor_a, factor_b, period)
+        _position_terms(terms, within, plant, factor_a, factor_b, period)
         of_position = _filter_weight(back - 1, ticks, path.filter_pole)
         of_velocity = 0.0
         for tap in range(len(TAPS)):
@@ -111,15 +101,13 @@ def _filter_weight(age: int, ticks: int, pole: float) -> float:
 def _position_terms(
     terms: FloatArray,
     within: float,
-    mass: float,
-    tau_a: float,
-    tau_b: float,
-    share_a: float,
+    plant: Plant,
     factor_a: float,
     factor_b: float,
     period: float,
 ) -> None:
     """Fill the coefficients of x(w, θ) times (1 − w)² (1 − E_A w)(1 − E_B w)."""
+    tau_a, tau_b, share_a = plant.tau_a, plant.tau_b, plant.share_a
     share_b = 1 - share_a
     faded_a = factor_a**within
     faded_b = factor_b**within
@@ -140,7 +128,7 @@ def _position_terms(
     terms[3] += lag_a * (1 + 2 * factor_b) + lag_b * (1 + 2 * factor_a)
     terms[4] = (slow - ramp + level) * both - lag_a * factor_b - lag_b * factor_a
     for power in range(_QUARTIC + 1):
-        terms[power] /= mass
+        terms[power] /= plant.mass
 
 
 @kernel
@@ -219,43 +207,30 @@ def _outside(gains: LoopGains) -> int:
 
 @parallel_kernel
 def _characteristics(
-    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, period: float
+    plants: Plants, gains: LoopGains, path: MeasurementPath, period: float
 ) -> FloatArray:
-    hold = period / 2
-    count = coefficient_count(plants.delay.max() - hold, path, period)
+    count = coefficient_count(plants.delay.max(), path, period)
     found = np.empty((len(plants.mass), count + 4 - _outside(gains)))
     for n in numba.prange(len(plants.mass)):
-        plant = sampled_plant(
-            plants.mass[n],
-            plants.delay[n] - hold,
-            plants.tau_a[n],
-            plants.tau_b[n],
-            share_a,
-            path,
-            period,
-            count,
-        )
+        plant = sampled_plant(plant_at(plants, n), path, period, count)
         found[n] = characteristic(plant, gains, period)
     return found
 
 
-def multipliers(
-    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, period: float
-) -> ComplexArray:
+def multipliers(loops: FamilyLoops, period: float) -> ComplexArray:
     """Return the closed loops' characteristic multipliers over T_S, ``(N, M)``.
 
     Those that are always zero (a finite memory's) are left out.
 
     Parameters
     ----------
-    plants
-        The family; its delays hold half a sampling period for the hold and must be at least that.
-    share_a, gains, path
-        A_A/(A_A + A_B), the gains, and the measurement path at T_S,fast.
+    loops
+        The family, whose delays hold half a sampling period for the hold and must be at least that,
+        the gains, and the measurement path at T_S,fast.
     period
         T_S [s].
     """
-    polynomials = _characteristics(plants, share_a, gains, path, period)
+    polynomials = _characteristics(loops.plants, loops.gains, loops.path, period)
     count, order = polynomials.shape[0], polynomials.shape[1] - 1
     companion = np.zeros((count, order, order))
     companion[:, 0, :] = -polynomials[:, 1:]
@@ -263,13 +238,11 @@ def multipliers(
     return np.asarray(np.linalg.eigvals(companion), np.complex128)
 
 
-def stable_as_sampled(
-    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, period: float
-) -> tuple[BoolArray, BoolArray]:
+def stable_as_sampled(loops: FamilyLoops, period: float) -> tuple[BoolArray, BoolArray]:
     """Return ``(N,)`` whether all multipliers lie inside the unit circle, and whether that is sure.
 
     Parameters as of ``multipliers``.
     """
-    radius = np.abs(multipliers(plants, share_a, gains, path, period)).max(axis=1)
+    radius = np.abs(multipliers(loops, period)).max(axis=1)
     sure = np.abs(radius - 1) > _UNIT_CIRCLE
     return np.asarray(sure & (radius < 1)), np.asarray(sure)

@@ -2,24 +2,37 @@
 
 from __future__ import annotations
 
+from typing import TYPE_CHECKING
+
 import numpy as np
 
 from mptune.arrays import Complex, Real, kernel
 from mptune.loops.force_dynamics import force_dynamics
+from mptune.params.pack import Plant
+
+if TYPE_CHECKING:
+    from mptune.params.pack import NominalPlant, Plants
 
 
 @kernel
-def nominal_velocity(s: Complex, mass: float, delay: float) -> Complex:
+def plant_at(plants: Plants, n: int) -> Plant:
+    """Return one plant of a family."""
+    return Plant(
+        plants.mass[n], plants.delay[n], plants.tau_a[n], plants.tau_b[n], plants.share_a[n]
+    )
+
+
+@kernel
+def nominal_velocity(s: Complex, nominal: NominalPlant) -> Complex:
     """Return G_N,vel(s) = 1/(m_min s) · e^{−(T_S/2 + d_min)s}, force reference to velocity."""
-    return np.exp(-s * delay) / (mass * s)  # Eq. 14
+    return np.exp(-s * nominal.delay) / (nominal.mass * s)  # Eq. 14
 
 
 @kernel
-def true_velocity(
-    s: Complex, mass: float, delay: float, tau_a: float, tau_b: float, share_a: float
-) -> Complex:
+def true_velocity(s: Complex, plant: Plant) -> Complex:
     """Return G_T,vel(s) = 1/(m s) · G_F(s) · e^{−(T_S/2 + d)s}, force reference to velocity."""
-    return force_dynamics(s, tau_a, tau_b, share_a) * np.exp(-s * delay) / (mass * s)  # Eq. 15
+    force = force_dynamics(s, plant.tau_a, plant.tau_b, plant.share_a)
+    return force * np.exp(-s * plant.delay) / (plant.mass * s)  # Eq. 15
 
 
 @kernel
@@ -29,19 +42,11 @@ def error_of_factors(force: Complex, lag: Complex, mass_ratio: Real) -> Complex:
 
 
 @kernel
-def velocity_error(
-    s: Complex,
-    mass: float,
-    delay: float,
-    tau_a: float,
-    tau_b: float,
-    share_a: float,
-    nominal_mass: float,
-    nominal_delay: float,
-) -> Complex:
+def velocity_error(s: Complex, plant: Plant, nominal: NominalPlant) -> Complex:
     """Return Δ_vel(s) = (G_T,vel − G_N,vel)/G_N,vel, the integrators cancelled by hand."""
-    force = force_dynamics(s, tau_a, tau_b, share_a)
-    return error_of_factors(force, np.exp(-s * (delay - nominal_delay)), nominal_mass / mass)
+    force = force_dynamics(s, plant.tau_a, plant.tau_b, plant.share_a)
+    lag = np.exp(-s * (plant.delay - nominal.delay))
+    return error_of_factors(force, lag, nominal.mass / plant.mass)
 
 
 @kernel

@@ -8,18 +8,42 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 if TYPE_CHECKING:
-    from mptune.arrays import FloatArray
+    from mptune.arrays import BoolArray, FloatArray, IntArray
     from mptune.params.controller import Controller, Feedforward, Gains
     from mptune.params.study import ResolvedStudy
 
 
-class Plants(NamedTuple):
-    """A family of plants: Eq. 15's parameters, each ``(N,)``, in SI."""
+class Plant(NamedTuple):
+    """One plant of Eq. 15, in SI."""
 
-    mass: FloatArray  # kg, m
-    delay: FloatArray  # s, T_S/2 + d
-    tau_a: FloatArray  # s, τ_A
-    tau_b: FloatArray  # s, τ_B
+    mass: float  # kg, m
+    delay: float  # s, T_S/2 + d
+    tau_a: float  # s, τ_A
+    tau_b: float  # s, τ_B
+    share_a: float  # -, A_A/(A_A + A_B)
+
+
+class Plants(NamedTuple):
+    """A family of plants: the fields of ``Plant``, each ``(N,)``."""
+
+    mass: FloatArray
+    delay: FloatArray
+    tau_a: FloatArray
+    tau_b: FloatArray
+    share_a: FloatArray
+
+    @property
+    def number(self) -> int:
+        """N, the number of plants."""
+        return len(self.mass)
+
+    def picked(self, rows: IntArray | BoolArray) -> Plants:
+        """Return some of the plants: rows by their numbers, or by a mask."""
+        return Plants(*(np.ascontiguousarray(column[rows]) for column in self))
+
+    def followed_by(self, others: Plants) -> Plants:
+        """Return these plants and others behind them."""
+        return Plants(*(np.concatenate(pair) for pair in zip(self, others, strict=True)))
 
 
 class NominalPlant(NamedTuple):
@@ -238,7 +262,17 @@ def pack_force(study: ResolvedStudy) -> ForceSettings:
     machine = pack_machine(study, 1.0, study.study.oil.bulk_modulus_estimate, 0.0)
     controller = study.study.controller
     return ForceSettings(
-        *machine[:11],
+        area_a=machine.area_a,
+        area_b=machine.area_b,
+        stroke=machine.stroke,
+        dead_a=machine.dead_a,
+        dead_b=machine.dead_b,
+        hose_a=machine.hose_a,
+        hose_b=machine.hose_b,
+        oil=machine.oil,
+        hose=machine.hose,
+        flow_coefficient=machine.flow_coefficient,
+        transition_pressure=machine.transition_pressure,
         sampling_period=controller.sampling_period,
         pressure_min=controller.pressure_min,
         pressure_max=controller.pressure_max,

@@ -8,27 +8,15 @@ answers; side by side they say what the inequalities do not see. Each link is th
 
 from __future__ import annotations
 
-from dataclasses import dataclass
-from functools import partial
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mptune.loops.broken import FORCE
-from mptune.loops.family import FamilyLoops, nominal_plants
-from mptune.loops.sampled import stable_as_sampled
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import (
-    NO_PATH,
-    LoopGains,
-    MeasurementPath,
-    Plants,
-    pack_filters,
-    pack_gains,
-    pack_nominal,
-    pack_path,
-)
 from mptune.robust.condition import sides
+from mptune.robust.families import stable_plants
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.place import PlantPoint, finite, plant_point
 
@@ -41,6 +29,7 @@ if TYPE_CHECKING:
 
 LARGEST, SMALLEST = 64.0, 1 / 64.0  # factors beyond which nothing is searched
 _STEPS = 30  # of a bisection
+_NAMES = {"none": "true family", "filters": "with measurement path"}
 _DENSE = 3  # first grids laid into one another: the search does not refine
 
 
@@ -107,67 +96,36 @@ def chain(result: SweepResult) -> tuple[Link, ...]:
     A finite grid of plants and frequencies can only miss worse ones: every factor errs on the high
     side.
     """
-    study = result.study
-    gains, path = pack_gains(result.gains), pack_filters(study.study.controller)
-    share_a, period = study.study.cylinder.share_a, study.study.controller.sampling_period
-    links = [_inequalities(result, gains)]
-    for family in result.families:
-        one = NO_PATH if family.path == "none" else path
-        name = "true family" if family.path == "none" else "with measurement path"
-        links.append(_family_link(name, family, partial(_counted, share_a, gains, one)))
+    links = [_inequalities(result)]
+    links += [_family_link(_NAMES[family.path], family, result) for family in result.families]
     if result.sampled is not None:
-        as_sampled = partial(_as_sampled, share_a, gains, path, period)
-        links.append(_family_link("sampled", result.sampled, as_sampled))
+        links.append(_family_link("sampled", result.sampled, result))
     return tuple(links)
 
 
-def _scaled(gains: LoopGains, factor: float) -> LoopGains:
-    return gains._replace(k_p_vel=factor * gains.k_p_vel)
-
-
-def _counted(
-    share_a: float, gains: LoopGains, path: MeasurementPath, plants: Plants, factor: float
-) -> BoolArray:
-    loops = FamilyLoops(FORCE, plants, share_a, _scaled(gains, factor), path)
-    return count_unstable_poles(loops).stable
-
-
-def _as_sampled(
-    share_a: float,
-    gains: LoopGains,
-    path: MeasurementPath,
-    period: float,
-    plants: Plants,
-    factor: float,
-) -> BoolArray:
-    return stable_as_sampled(plants, share_a, _scaled(gains, factor), path, period)[0]
-
-
-def _inequalities(result: SweepResult, gains: LoopGains) -> Link:
+def _inequalities(result: SweepResult) -> Link:
     """Return the largest factor at which Eq. 17 and Eq. 21 hold, and the nominal loop is stable."""
-    study, plants = result.study, result.plants
-    nominal, path = pack_nominal(study), pack_path(study)
-    share_a = study.study.cylinder.share_a
-    low, high = frequency_range(plants, nominal, gains)
+    model = result.model
+    nominal = model.nominal_loop(result.gains)
+    low, high = frequency_range(model.plants, model.nominal, nominal.gains)
     omega = np.union1d(first_grid(low, _DENSE * high), result.omega)
     worst: PlantPoint | None = None
 
     def holds(factor: float) -> bool:
         nonlocal worst
-        scaled = _scaled(gains, factor)
-        found = sides(omega, plants, nominal, share_a, scaled, path)
+        scaled = nominal.scaled(factor)
+        found = sides(omega, replace(scaled, plants=model.plants), model.nominal)
         loop, place = np.unravel_index(int(np.argmax(found.ratio)), found.ratio.shape)
-        one = nominal_plants(nominal)
         if found.ratio[loop, place] < 1:
-            return bool(_counted(0.5, gains, path, one, factor)[0])
-        worst = plant_point(plants, int(found.plant[loop, place]), float(omega[place]))
+            return bool(count_unstable_poles(scaled).stable[0])
+        worst = plant_point(model.plants, int(found.plant[loop, place]), float(omega[place]))
         return False
 
     factor = gain_limit(holds)
     return Link("Eq. 17 and 21", factor, worst)
 
 
-def _family_link(name: str, family: Family, stable: Callable[[Plants, float], BoolArray]) -> Link:
+def _family_link(name: str, family: Family, result: SweepResult) -> Link:
     """Return the smallest gain margin of a family, or the factor that makes all of it stable.
 
     NaN where the plants that are stable as they are would not bear that factor.
@@ -176,11 +134,13 @@ def _family_link(name: str, family: Family, stable: Callable[[Plants, float], Bo
         factor, at = family.worst("gain_margin", FORCE)
         return Link(name, factor, at)
     failing = np.flatnonzero(~family.stable)
-    plants = Plants(*(np.ascontiguousarray(column[failing]) for column in family.plants))
-    factor = gain_limit(lambda factor: bool(stable(plants, factor).all()), 1e-4)
+
+    def stable(factor: float) -> BoolArray:
+        return stable_plants(result.model, result.gains, family, failing, factor)
+
+    factor = gain_limit(lambda factor: bool(stable(factor).all()), 1e-4)
     least = family.margins.gain_reduction[FORCE][family.stable]
     if not np.isfinite(factor) or (least >= factor).any():
         return Link(name, float("nan"), None)
-    last = np.flatnonzero(~stable(plants, 1.001 * factor))
-    at = plant_point(plants, int(last[0]), float("nan")) if len(last) else None
-    return Link(name, factor, at)
+    last = failing[~stable(1.001 * factor)]
+    return Link(name, factor, family.point(int(last[0]), float("nan")) if len(last) else None)

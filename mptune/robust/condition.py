@@ -17,6 +17,7 @@ from mptune.loops.position import position_error
 from mptune.loops.velocity import error_of_factors, nominal_velocity
 
 if TYPE_CHECKING:
+    from mptune.loops.family import FamilyLoops
     from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
     from mptune.robust.measured import Members
 
@@ -47,39 +48,33 @@ def nominal_loops(
     loops = np.empty((2, len(omega)), np.complex128)
     for f in range(len(omega)):
         s = 1j * omega[f]
-        velocity = nominal_velocity(s, nominal.mass, nominal.delay)
+        velocity = nominal_velocity(s, nominal)
         loops[0, f] = velocity_loop(s, velocity, gains.k_p_vel, path)
         loops[1, f] = position_loop(s, velocity, gains, path)
     return loops
 
 
 def sides(
-    omega: FloatArray,
-    plants: Plants,
-    nominal: NominalPlant,
-    share_a: float,
-    gains: LoopGains,
-    path: MeasurementPath,
-    members: Members | None = None,
+    omega: FloatArray, loops: FamilyLoops, nominal: NominalPlant, members: Members | None = None
 ) -> Sides:
     """Return both sides of Eq. 17 and Eq. 21 at the frequencies ``omega``, ``(F,)`` [rad/s].
 
     Measured ``members`` raise the left side within their bands; where they stand instead of the
-    box's ``plants`` those are left out.
+    box's plants those are left out.
     """
-    loops = nominal_loops(omega, nominal, gains, path)
+    gain = nominal_loops(omega, nominal, loops.gains, loops.path)
     with np.errstate(divide="ignore"):  # a loop without gain has an infinite right-hand side
-        right = np.abs(1 + loops) / np.abs(loops)  # Eq. 17 and Eq. 21
-    factors = _factors(plants, nominal)
+        right = np.abs(1 + gain) / np.abs(gain)  # Eq. 17 and Eq. 21
+    factors = _factors(loops.plants, nominal)
     if members is None:
         left, plant, ratio, frequency = _family_errors(
-            omega, factors, nominal.delay, share_a, loops[0], 1 / right
+            omega, factors, nominal.delay, gain[0], 1 / right
         )
         return Sides(np.sqrt(left), plant, right, np.sqrt(ratio), frequency)
     asked = np.flatnonzero(~members.replaces(omega))
     weight = np.ascontiguousarray(1 / right[:, asked])
-    found = _family_errors(omega[asked], factors, nominal.delay, share_a, loops[0, asked], weight)
-    return _with_members(found, asked, members.errors(omega, nominal, loops[0]), right)
+    found = _family_errors(omega[asked], factors, nominal.delay, gain[0, asked], weight)
+    return _with_members(found, asked, members.errors(omega, nominal, gain[0]), right)
 
 
 def _with_members(
@@ -114,22 +109,19 @@ class _Factors(NamedTuple):
     """A family as the few different values that its plants are made of."""
 
     delay: FloatArray  # (D,) s, different delays
-    tau_a: FloatArray  # (P,) s, different pairs
-    tau_b: FloatArray  # (P,) s
+    lags: FloatArray  # (3, P) different τ_A [s], τ_B [s] and A_A/(A_A + A_B)
     mass_ratio: FloatArray  # (N,) m_min/m
     which_delay: IntArray  # (N,)
-    which_pair: IntArray  # (N,)
+    which_lags: IntArray  # (N,)
 
 
 def _factors(plants: Plants, nominal: NominalPlant) -> _Factors:
     """Return the family's different delays and lags, so that each is evaluated once."""
     delay, which_delay = np.unique(plants.delay, return_inverse=True)
-    lags = np.stack([plants.tau_a, plants.tau_b])
-    pairs, which_pair = np.unique(lags, axis=1, return_inverse=True)
-    tau_a, tau_b = np.ascontiguousarray(pairs)
-    return _Factors(
-        delay, tau_a, tau_b, nominal.mass / plants.mass, which_delay, which_pair.ravel()
-    )
+    lags = np.stack([plants.tau_a, plants.tau_b, plants.share_a])
+    lags, which_lags = np.unique(lags, axis=1, return_inverse=True)
+    mass_ratio = nominal.mass / plants.mass
+    return _Factors(delay, np.ascontiguousarray(lags), mass_ratio, which_delay, which_lags.ravel())
 
 
 @kernel
@@ -137,7 +129,6 @@ def _family_errors(
     omega: FloatArray,
     factors: _Factors,
     nominal_delay: float,
-    share_a: float,
     nominal_velocity_loop: ComplexArray,
     weight: FloatArray,
 ) -> tuple[FloatArray, IntArray, FloatArray, IntArray]:
@@ -149,8 +140,8 @@ def _family_errors(
     ----------
     omega
         ``(F,)`` frequencies [rad/s].
-    factors, nominal_delay, share_a
-        The family, the nominal delay [s] and A_A/(A_A + A_B).
+    factors, nominal_delay
+        The family, and the nominal delay [s].
     nominal_velocity_loop
         ``(F,)`` loop gain of the nominal velocity loop.
     weight
@@ -168,16 +159,17 @@ def _family_errors(
     ratio = np.zeros((2, count))
     frequency = np.zeros((2, count), np.int64)
     lag = np.empty(len(factors.delay), np.complex128)
-    force = np.empty(len(factors.tau_a), np.complex128)
+    force = np.empty(factors.lags.shape[1], np.complex128)
     for f in range(points):
         s = 1j * omega[f]
         for i in range(len(lag)):
             lag[i] = np.exp(-s * (factors.delay[i] - nominal_delay))
         for i in range(len(force)):
-            force[i] = force_dynamics(s, factors.tau_a[i], factors.tau_b[i], share_a)
+            lags = factors.lags
+            force[i] = force_dynamics(s, lags[0, i], lags[1, i], lags[2, i])
         for n in range(count):
-            pair, delay = factors.which_pair[n], factors.which_delay[n]
-            velocity = error_of_factors(force[pair], lag[delay], factors.mass_ratio[n])
+            fast, late = force[factors.which_lags[n]], lag[factors.which_delay[n]]
+            velocity = error_of_factors(fast, late, factors.mass_ratio[n])
             position = position_error(velocity, nominal_velocity_loop[f])
             for loop in range(2):
                 error = velocity if loop == 0 else position

@@ -9,22 +9,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from mptune.loops.broken import FORCE, VELOCITY
-from mptune.loops.family import FamilyLoops, nominal_plants
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import (
-    NO_PATH,
-    MeasurementPath,
-    Plants,
-    pack_filters,
-    pack_gains,
-    pack_nominal,
-)
+from mptune.robust.model import PATHS
 
 if TYPE_CHECKING:
-    from mptune.robust.place import PlantPoint
     from mptune.robust.result import SweepResult
 
 
@@ -62,27 +51,18 @@ def encirclements(result: SweepResult) -> tuple[Encirclements, ...]:
 
     The velocity loop's worst plant is Eq. 17's, the loop's at F_ref Eq. 21's.
     """
-    paths = {"none": NO_PATH, "filters": pack_filters(result.study.study.controller)}
-    return tuple(
-        _counted(result, loop, name, path)
-        for loop in (VELOCITY, FORCE)
-        for name, path in paths.items()
-    )
+    return tuple(_counted(result, loop, path) for loop in (VELOCITY, FORCE) for path in PATHS)
 
 
-def single(at: PlantPoint) -> Plants:
-    """Return one plant as a family of one."""
-    return Plants(*(np.array([x]) for x in (at.mass_kg, at.delay_s, at.tau_a_s, at.tau_b_s)))
-
-
-def _counted(result: SweepResult, loop: int, name: str, path: MeasurementPath) -> Encirclements:
-    gains, share_a = pack_gains(result.gains), result.study.study.cylinder.share_a
-    nominal = FamilyLoops(loop, nominal_plants(pack_nominal(result.study)), 0.5, gains, path)
-    family = count_unstable_poles(FamilyLoops(loop, result.plants, share_a, gains, path))
+def _counted(result: SweepResult, loop: int, name: str) -> Encirclements:
+    model = result.model
+    where = (result.gains, model.path_of(name))
+    nominal = model.nominal_loop(*where, which=loop)
+    family = count_unstable_poles(model.loops(*where, which=loop))
     at = (result.velocity if loop == VELOCITY else result.position).at
     worst = None
     if at.response is None:
-        one = FamilyLoops(loop, single(at), share_a, gains, path)
+        one = model.loops(*where, plants=model.plant(at), which=loop)
         worst = int(count_unstable_poles(one).unstable[0])
     return Encirclements(
         loop=loop,

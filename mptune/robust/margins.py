@@ -12,16 +12,19 @@ from typing import TYPE_CHECKING, NamedTuple
 import numba
 import numpy as np
 
-from mptune.arrays import Complex, FloatArray, kernel, parallel_kernel
-from mptune.loops.broken import FORCE, SAMPLED, loop_gain
+from mptune.arrays import Complex, ComplexArray, FloatArray, kernel, parallel_kernel
+from mptune.loops.broken import FORCE, SAMPLED, loop_around, loop_gain
 from mptune.loops.sampled import (
     SampledPlant,
     coefficient_count,
     sampled_loop,
     sampled_plant,
 )
+from mptune.loops.velocity import plant_at
+from mptune.params.pack import Plant
 
 if TYPE_CHECKING:
+    from mptune.loops.family import FamilyLoops
     from mptune.params.pack import LoopGains, MeasurementPath, Plants
 
 _GOLDEN = (5**0.5 - 1) / 2
@@ -34,15 +37,16 @@ _SENSITIVITY, _COMPLEMENTARY, _DISK = 0, 1, 2
 
 
 class _Plant(NamedTuple):
-    """One plant of Eq. 15, and the same as the controller samples it, where that is asked for."""
+    """One plant of Eq. 15; as the controller samples it, or as its force response was measured.
 
-    mass: float
-    delay: float
-    tau_a: float
-    tau_b: float
-    share_a: float
+    What is not asked for is empty.
+    """
+
+    true: Plant
     sampled: SampledPlant
     period: float  # s, T_S
+    omega: FloatArray  # (F,) rad/s, where the force response is known
+    force: ComplexArray  # (F,) the force response there
 
 
 class Margins(NamedTuple):
@@ -68,53 +72,35 @@ class Margins(NamedTuple):
     disk_frequency: FloatArray
 
 
-def family_margins(
-    omega: FloatArray,
-    plants: Plants,
-    share_a: float,
-    gains: LoopGains,
-    path: MeasurementPath,
-) -> Margins:
+def family_margins(omega: FloatArray, loops: FamilyLoops) -> Margins:
     """Return the margins of every plant, from the frequencies ``omega`` ``(F,)`` refined.
 
     The grid is continued to where any loop with dead time d has turned by π once more, ω = 2π/d,
     so that no gain margin lies beyond it.
     """
-    beyond = max(float(omega[-1]), 2 * np.pi / max(float(plants.delay.min()), _SHORTEST_DELAY))
+    shortest = max(float(loops.plants.delay.min()), _SHORTEST_DELAY)
+    beyond = max(float(omega[-1]), 2 * np.pi / shortest)
     wide = np.union1d(omega, np.geomspace(omega[-1], beyond, _BEYOND))
-    table = _family_margins(wide, plants, share_a, gains, path)
+    table = _family_margins(wide, loops.plants, loops.gains, loops.path)
     return Margins(*np.moveaxis(table, 2, 0))
 
 
 @parallel_kernel
 def _family_margins(
-    omega: FloatArray,
-    plants: Plants,
-    share_a: float,
-    gains: LoopGains,
-    path: MeasurementPath,
+    omega: FloatArray, plants: Plants, gains: LoopGains, path: MeasurementPath
 ) -> FloatArray:
     count = len(plants.mass)
     table = np.empty((3, count, 14))
-    none = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, 0.0)
+    sampled = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, 0.0)
     for n in numba.prange(count):
-        mass, delay, tau_a, tau_b = (
-            plants.mass[n], plants.delay[n], plants.tau_a[n], plants.tau_b[n],
-        )  # fmt: skip
-        plant = _Plant(mass, delay, tau_a, tau_b, share_a, none, 0.0)
+        none = np.empty(0), np.empty(0, np.complex128)
+        plant = _Plant(plant_at(plants, n), sampled, 0.0, none[0], none[1])
         for which in range(3):
             table[which, n, :] = _margins(which, omega, plant, gains, path)
     return table
 
 
-def sampled_margins(
-    omega: FloatArray,
-    plants: Plants,
-    share_a: float,
-    gains: LoopGains,
-    path: MeasurementPath,
-    period: float,
-) -> Margins:
+def sampled_margins(omega: FloatArray, loops: FamilyLoops, period: float) -> Margins:
     """Return the margins of every plant's loop at F_ref as it runs, sampled at ``period`` [s].
 
     They stand in the row of the force loop; the other two rows are NaN, and so is the delay margin:
@@ -123,35 +109,51 @@ def sampled_margins(
     """
     half_rate = np.pi / period
     grid = np.union1d(omega[omega < half_rate], np.linspace(0.02, 1, 50) * half_rate)
-    table = np.full((3, len(plants.mass), 14), np.nan)
-    table[FORCE] = _sampled_margins(grid, plants, share_a, gains, path, period)
+    table = np.full((3, loops.plants.number, 14), np.nan)
+    table[FORCE] = _sampled_margins(grid, loops.plants, loops.gains, loops.path, period)
     table[:, :, 10:12] = np.nan
     return Margins(*np.moveaxis(table, 2, 0))
 
 
 @parallel_kernel
 def _sampled_margins(
-    omega: FloatArray,
-    plants: Plants,
-    share_a: float,
-    gains: LoopGains,
-    path: MeasurementPath,
-    period: float,
+    omega: FloatArray, plants: Plants, gains: LoopGains, path: MeasurementPath, period: float
 ) -> FloatArray:
-    hold = period / 2
-    size = coefficient_count(plants.delay.max() - hold, path, period)
+    size = coefficient_count(plants.delay.max(), path, period)
     table = np.empty((len(plants.mass), 14))
     for n in numba.prange(len(plants.mass)):
-        mass, delay, tau_a, tau_b = (
-            plants.mass[n], plants.delay[n], plants.tau_a[n], plants.tau_b[n],
-        )  # fmt: skip
-        sampled = sampled_plant(mass, delay - hold, tau_a, tau_b, share_a, path, period, size)
-        plant = _Plant(mass, delay, tau_a, tau_b, share_a, sampled, period)
+        true = plant_at(plants, n)
+        sampled = sampled_plant(true, path, period, size)
+        plant = _Plant(true, sampled, period, np.empty(0), np.empty(0, np.complex128))
         row = _margins(SAMPLED, omega, plant, gains, path)
         end = sampled_loop(1j * omega[-1], sampled, gains, period).real  # real at half the rate
         if end < 0:
             _note_factor(row, -1 / end, omega[-1])
         table[n, :] = row
+    return table
+
+
+def measured_margins(
+    omega: FloatArray, force: ComplexArray, mass: float, gains: LoopGains, path: MeasurementPath
+) -> FloatArray:
+    """Return the margins of the three loops around one measured force response, ``(3, 14)``.
+
+    In the order of ``Margins``, within the band of the fine grid ``omega`` ``(F,)``. Between its
+    points the response ``force`` ``(F,)`` is taken to go straight: the error is that of the square
+    of the step.
+    """
+    return np.asarray(_measured_margins(omega, force, mass, gains, path))
+
+
+@kernel
+def _measured_margins(
+    omega: FloatArray, force: ComplexArray, mass: float, gains: LoopGains, path: MeasurementPath
+) -> FloatArray:
+    sampled = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, 0.0)
+    plant = _Plant(Plant(mass, 0.0, 0.0, 0.0, 0.5), sampled, 0.0, omega, force)
+    table = np.empty((3, 14))
+    for which in range(3):
+        table[which] = _margins(which, omega, plant, gains, path)
     return table
 
 
@@ -166,8 +168,19 @@ def _gain(
     s = 1j * omega
     if which == SAMPLED:
         return sampled_loop(s, plant.sampled, gains, plant.period)
-    mass, delay, tau_a, tau_b = plant.mass, plant.delay, plant.tau_a, plant.tau_b
-    return loop_gain(which, s, mass, delay, tau_a, tau_b, plant.share_a, gains, path)
+    if len(plant.omega) > 0:
+        force = _between(omega, plant.omega, plant.force)
+        return loop_around(which, s, force / (plant.true.mass * s), gains, path)
+    return loop_gain(which, s, plant.true, gains, path)
+
+
+@kernel
+def _between(omega: float, grid: FloatArray, values: ComplexArray) -> Complex:
+    """Return a value on the chord between two neighbouring points."""
+    below = int(np.searchsorted(grid, omega)) - 1
+    low = min(max(below, 0), len(grid) - 2)
+    share = (omega - grid[low]) / (grid[low + 1] - grid[low])
+    return values[low] + share * (values[low + 1] - values[low])
 
 
 @kernel

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.params.pack import Plants, pack_gains, pack_nominal, pack_path
+from mptune.params.pack import Plants
 from mptune.robust.condition import sides
 
 if TYPE_CHECKING:
@@ -67,16 +67,14 @@ def one_at_a_time(result: SweepResult) -> tuple[Influence, ...]:
 
 
 def _of_condition(result: SweepResult, row: int, condition: Condition) -> list[Influence]:
-    at = condition.at
-    worst = np.array([at.mass_kg, at.delay_s, at.tau_a_s, at.tau_b_s])
-    ends = [(float(column.min()), float(column.max())) for column in result.plants]
+    model = result.model
+    worst = np.concatenate(model.plant(condition.at))
+    ends = [(float(column.min()), float(column.max())) for column in model.plants]
     tried = np.repeat(worst[:, None], 2 * len(ends), axis=1)
     for parameter, pair in enumerate(ends):
         tried[parameter, 2 * parameter : 2 * parameter + 2] = pair
     plants = Plants(*np.ascontiguousarray(tried))
-    study = result.study
-    share_a, gains = study.study.cylinder.share_a, pack_gains(result.gains)
-    both = sides(result.omega, plants, pack_nominal(study), share_a, gains, pack_path(study))
+    both = sides(result.omega, model.loops(result.gains, plants=plants), model.nominal)
     ratios = both.plant_ratio[row].reshape(-1, 2)
     return [
         Influence(

@@ -47,7 +47,7 @@ def plant_point(
 
     The last of the ``plants`` are measured members, whose ``responses`` are named.
     """
-    mass, delay, tau_a, tau_b = (float(column[index]) for column in plants)
-    member = int(index) - (len(plants.mass) - len(responses))
+    mass, delay, tau_a, tau_b, _ = (float(column[index]) for column in plants)
+    member = int(index) - (plants.number - len(responses))
     name = responses[member] if member >= 0 else None
     return PlantPoint(mass, delay, tau_a, tau_b, float(frequency), name)

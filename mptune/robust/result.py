@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
     from mptune.robust.margins import Margins
     from mptune.robust.measured import Members
+    from mptune.robust.model import LinearModel
 
 
 class Status(StrEnum):
@@ -137,7 +138,7 @@ class Family:
         largest_is_worst = name.endswith("peak") or name == "gain_reduction"
         index = int(np.argmax(values) if largest_is_worst else np.argmin(values))
         frequency = self.margins[self.margins._fields.index(name) + 1][loop, index]
-        at = None if np.isnan(frequency) else self._point(index, frequency)
+        at = None if np.isnan(frequency) else self.point(index, frequency)
         return float(values[index]), at
 
     def first_unstable(self) -> PlantPoint | None:
@@ -147,7 +148,7 @@ class Family:
             return None
         plants = self.plants
         order = np.lexsort((-plants.tau_a[index], -plants.delay[index], plants.mass[index]))
-        return self._point(int(index[order[0]]), float("nan"))
+        return self.point(int(index[order[0]]), float("nan"))
 
     def joined(self, members: Family) -> Family:
         """Return the family with its measured members behind the box's plants."""
@@ -155,11 +156,10 @@ class Family:
         def both(key: str) -> BoolArray:
             return frozen(np.concatenate([getattr(self, key), getattr(members, key)]))
 
-        plants = zip(self.plants, members.plants, strict=True)
         margins = zip(self.margins, members.margins, strict=True)
         return Family(
             path=self.path,
-            plants=type(self.plants)(*map(np.concatenate, plants)),
+            plants=self.plants.followed_by(members.plants),
             velocity_stable=both("velocity_stable"),
             stable=both("stable"),
             decided=both("decided"),
@@ -167,7 +167,8 @@ class Family:
             responses=members.responses,
         )
 
-    def _point(self, index: int, frequency: float) -> PlantPoint:
+    def point(self, index: int, frequency: float) -> PlantPoint:
+        """Return one plant of the family at a frequency [rad/s]."""
         return plant_point(self.plants, index, frequency, self.responses)
 
 
@@ -189,17 +190,30 @@ class SweepResult:
     ``plants`` are those of the box; measured ``members`` stand beside or instead of them.
     """
 
-    study: ResolvedStudy
+    model: LinearModel
     gains: Gains
     omega: FloatArray
-    plants: Plants
     velocity: Condition
     position: Condition
     families: tuple[Family, ...]  # without and with the measurement path
     sampled: Family | None  # as it runs; None where some delay leaves no room for the hold
     noise_gain: float  # N/m, rms of F_ref per rms of position noise
     checks: tuple[Check, ...]
-    members: Members | None = None
+
+    @property
+    def study(self) -> ResolvedStudy:
+        """The study that was swept."""
+        return self.model.study
+
+    @property
+    def plants(self) -> Plants:
+        """``(N,)`` the box's plants."""
+        return self.model.plants
+
+    @property
+    def members(self) -> Members | None:
+        """Measured members of the family, if any."""
+        return self.model.members
 
     @property
     def conditions(self) -> tuple[Condition, Condition]:

@@ -5,10 +5,9 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from mptune.files import write_whole_with
+from mptune.datasets import write_dataset
 from mptune.loops.broken import NAMES
 from mptune.params.gains import version
-from mptune.robust.measured import whole_family
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -33,7 +32,7 @@ def to_dataset(result: SweepResult) -> xr.Dataset:
     import xarray as xr
 
     members = result.members
-    plants = whole_family(result.plants, members)
+    plants = result.model.whole_family
     count = len(plants.mass)
     per_frequency = ("condition", "frequency")
     data: dict[str, xr.DataArray] = {}
@@ -107,5 +106,4 @@ def write_sweep(path: Path, result: SweepResult) -> Path:
     OutputError
         If the file cannot be written.
     """
-    dataset = to_dataset(result)
-    return write_whole_with(path, lambda beside: dataset.to_netcdf(beside, engine="h5netcdf"))
+    return write_dataset(path, to_dataset(result))

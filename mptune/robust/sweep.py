@@ -8,31 +8,18 @@ import numpy as np
 
 from mptune.arrays import FloatArray, frozen
 from mptune.loops.broken import FORCE, VELOCITY
-from mptune.loops.family import FamilyLoops, nominal_plants, plants_of
 from mptune.loops.noise import noise_gain
-from mptune.loops.sampled import stable_as_sampled
 from mptune.loops.stability import PoleCount, count_unstable_poles
-from mptune.params.pack import (
-    NO_PATH,
-    LoopGains,
-    MeasurementPath,
-    NominalPlant,
-    Plants,
-    pack_filters,
-    pack_gains,
-    pack_nominal,
-    pack_path,
-)
-from mptune.robust.condition import Sides, sides
+from mptune.robust.condition import Sides
+from mptune.robust.families import as_sampled, true_family
 from mptune.robust.grid import first_grid, frequency_range, refinement
-from mptune.robust.margins import Margins, family_margins, sampled_margins
-from mptune.robust.measured import Members, members_of, whole_family
-from mptune.robust.place import plant_point
+from mptune.robust.model import PATHS, LinearModel
 from mptune.robust.result import Condition, Family, Status, SweepResult
 from mptune.robust.verdict import allowed_ratio, check_requirements
 
 if TYPE_CHECKING:
     from mptune.params.controller import Gains
+    from mptune.params.pack import LoopGains
     from mptune.params.requirements import RatioCurve
     from mptune.params.study import ResolvedStudy
 
@@ -41,13 +28,13 @@ _NARROW = 1e-3  # of the frequency: a maximum is bracketed at least so closely
 _ROUNDS = 40
 
 
-def sweep(study: ResolvedStudy, gains: Gains | None = None) -> SweepResult:
+def sweep(study: ResolvedStudy | LinearModel, gains: Gains | None = None) -> SweepResult:
     """Sweep mass × delay × τ_A × τ_B × frequency for one set of gains.
 
     Parameters
     ----------
     study
-        The study.
+        The study, or its linear model where that is at hand.
     gains
         The gains; the study's own where None.
 
@@ -57,60 +44,41 @@ def sweep(study: ResolvedStudy, gains: Gains | None = None) -> SweepResult:
         Both conditions, the true family's margins without and with the measurement path, and the
         study's requirements checked.
     """
-    gains = gains or study.study.gains
-    plants, nominal = plants_of(study), pack_nominal(study)
-    packed, path = pack_gains(gains), pack_path(study)
-    share_a = study.study.cylinder.share_a
-    members = members_of(study, plants)
-    limits = (study.study.requirements.velocity_ratio, study.study.requirements.position_ratio)
-
-    omega, found, converged = _refined_sides(
-        plants, nominal, share_a, packed, path, limits, members
-    )
-    paths = {"none": NO_PATH, "filters": pack_filters(study.study.controller)}
-    families = tuple(
-        _family(name, omega, plants, share_a, packed, one, members) for name, one in paths.items()
-    )
-    true = next(family for family in families if paths[family.path] == path)
-    period = study.study.controller.sampling_period
-    sampled = _sampled_family(omega, plants, share_a, packed, paths["filters"], period)
-    noise = noise_gain(packed, paths["filters"])
-    whole, names = whole_family(plants, members), members.names if members else ()
-    premises = _premises(nominal, packed, path, true)
-    conditions = _conditions(omega, found, whole, names, limits, converged, premises)
+    model = study if isinstance(study, LinearModel) else LinearModel.of(study)
+    gains = gains or model.study.study.gains
+    packed = model.loops(gains).gains
+    omega, found, converged = _refined_sides(model, packed)
+    families = tuple(true_family(model, packed, path, omega) for path in PATHS)
+    true = next(family for family in families if model.path_of(family.path) == model.path)
+    sampled = as_sampled(model, packed, omega)
+    noise = noise_gain(packed, model.filters)
+    premises = _premises(model, packed, true)
+    conditions = _conditions(model, omega, found, converged, premises)
     return SweepResult(
-        study=study,
+        model=model,
         gains=gains,
         omega=frozen(omega),
-        plants=plants,
         velocity=conditions[0],
         position=conditions[1],
         families=families,
         sampled=sampled,
         noise_gain=noise,
-        checks=check_requirements(study.study.requirements, conditions, true, sampled, noise),
-        members=members,
+        checks=check_requirements(model.requirements, conditions, true, sampled, noise),
     )
 
 
 def _refined_sides(
-    plants: Plants,
-    nominal: NominalPlant,
-    share_a: float,
-    gains: LoopGains,
-    path: MeasurementPath,
-    limits: tuple[float | RatioCurve, ...],
-    members: Members | None,
+    model: LinearModel, gains: LoopGains
 ) -> tuple[FloatArray, Sides, tuple[bool, bool]]:
     """Evaluate both conditions on a grid that is refined until the worst ratios stand still."""
-    low, high = frequency_range(plants, nominal, gains)
+    low, high = frequency_range(model.plants, model.nominal, gains)
     omega = first_grid(low, high)
-    if members is not None:
-        omega = np.union1d(omega, members.omega)  # where interpolated curves have their corners
-    found = sides(omega, plants, nominal, share_a, gains, path, members)
+    if model.members is not None:
+        omega = np.union1d(omega, model.members.omega)  # where interpolated curves have corners
+    found = model.sides(omega, gains)
     quiet = np.zeros(4, np.int64)  # rounds in a row in which a maximum stood still
     for _ in range(_ROUNDS):
-        curves = _curves(found, omega, limits)
+        curves = _curves(found, omega, model.limits)
         new = [refinement(omega, curve) for curve in curves]
         if any(int(np.argmax(curve)) == 0 for curve in curves):
             new.append(omega[0] / np.array([10.0, 3.0]))  # the worst may lie lower still
@@ -119,9 +87,8 @@ def _refined_sides(
         omega = np.concatenate([omega, added])
         order = np.argsort(omega)
         omega = omega[order]
-        finer = sides(added, plants, nominal, share_a, gains, path, members)
-        found = _merged(found, finer, order)
-        curves = _curves(found, omega, limits)
+        found = _merged(found, model.sides(added, gains), order)
+        curves = _curves(found, omega, model.limits)
         after = curves.max(axis=1)
         narrow = np.array([_bracket(omega, curve) <= _NARROW for curve in curves])
         still = narrow & (np.abs(after - before) <= CONVERGED / 10 * after)
@@ -162,85 +129,6 @@ def _merged(old: Sides, new: Sides, order: np.ndarray[tuple[int], np.dtype[np.in
     )
 
 
-def _family(
-    name: str,
-    omega: FloatArray,
-    plants: Plants,
-    share_a: float,
-    gains: LoopGains,
-    path: MeasurementPath,
-    members: Members | None,
-) -> Family:
-    """Return stability and margins of the true family with one measurement path.
-
-    Where measured members stand instead of the box, the box's plants are not asked: what lies
-    beyond the measured band then rests on the loop being small at its end.
-    """
-    parts = []
-    if members is None or not members.instead:
-        counts = [
-            count_unstable_poles(FamilyLoops(which, plants, share_a, gains, path))
-            for which in (VELOCITY, FORCE)
-        ]
-        margins = family_margins(omega, plants, share_a, gains, path)
-        parts.append(_part(name, plants, counts, margins))
-    if members is not None:
-        from mptune.robust.measured_loops import count_members, member_margins
-
-        counts = [count_members(which, members, gains, path) for which in (VELOCITY, FORCE)]
-        margins = member_margins(members, gains, path)
-        parts.append(_part(name, members.plants(), counts, margins, members.names))
-    return parts[0] if len(parts) == 1 else parts[0].joined(parts[1])
-
-
-def _part(
-    name: str,
-    plants: Plants,
-    counts: list[PoleCount],
-    margins: Margins,
-    responses: tuple[str, ...] = (),
-) -> Family:
-    velocity, whole = counts
-    unstable = np.stack([~velocity.stable, ~whole.stable, ~whole.stable])
-    masked = Margins(*(frozen(np.where(unstable, np.nan, figure)) for figure in margins))
-    return Family(
-        path=name,
-        plants=plants,
-        velocity_stable=frozen(velocity.stable),
-        stable=frozen(whole.stable),
-        decided=frozen(velocity.decided & whole.decided),
-        margins=masked,
-        responses=responses,
-    )
-
-
-def _sampled_family(
-    omega: FloatArray,
-    plants: Plants,
-    share_a: float,
-    gains: LoopGains,
-    path: MeasurementPath,
-    period: float,
-) -> Family | None:
-    """Return stability and margins of the true family as it runs.
-
-    None where some plant's total delay is below half a sampling period: no hold fits into it.
-    """
-    if plants.delay.min() < period / 2:
-        return None
-    stable, decided = stable_as_sampled(plants, share_a, gains, path, period)
-    margins = sampled_margins(omega, plants, share_a, gains, path, period)
-    masked = Margins(*(frozen(np.where(stable, figure, np.nan)) for figure in margins))
-    return Family(
-        path="sampled",
-        plants=plants,
-        velocity_stable=frozen(stable),
-        stable=frozen(stable),
-        decided=frozen(decided),
-        margins=masked,
-    )
-
-
 class _Premise(NamedTuple):
     """What a condition rests on: the nominal loop's poles, and the same number in all open loops.
 
@@ -252,18 +140,16 @@ class _Premise(NamedTuple):
     known: bool
 
 
-def _premises(
-    nominal: NominalPlant, gains: LoopGains, path: MeasurementPath, true: Family
-) -> tuple[_Premise, _Premise]:
+def _premises(model: LinearModel, gains: LoopGains, true: Family) -> tuple[_Premise, _Premise]:
     """Return the premises of each condition.
 
     The velocity plants of Eq. 14 and 15 have no open-loop pole right of the origin at all, and a
     response can only be measured where that is so. Those of the position loop, Eq. 19, are the
     closed-loop poles of the velocity loops.
     """
-    one = nominal_plants(nominal)
-    velocity = count_unstable_poles(FamilyLoops(VELOCITY, one, 0.5, gains, path))
-    position = count_unstable_poles(FamilyLoops(FORCE, one, 0.5, gains, path))
+    velocity, position = (
+        count_unstable_poles(model.nominal_loop(gains, which=which)) for which in (VELOCITY, FORCE)
+    )
     equal = bool(velocity.stable[0] and true.velocity_stable.all())
     known = equal or bool(np.any(~true.velocity_stable & true.decided))
     return (
@@ -273,17 +159,15 @@ def _premises(
 
 
 def _conditions(
+    model: LinearModel,
     omega: FloatArray,
     found: Sides,
-    plants: Plants,
-    responses: tuple[str, ...],
-    limits: tuple[float | RatioCurve, ...],
     converged: tuple[bool, bool],
     premises: tuple[_Premise, _Premise],
 ) -> tuple[Condition, Condition]:
     conditions = []
     for loop, name in enumerate(("velocity", "position")):
-        allowed = allowed_ratio(limits[loop], omega)
+        allowed = allowed_ratio(model.limits[loop], omega)
         ratio = found.ratio[loop]
         worst, use = int(np.argmax(ratio)), int(np.argmax(ratio / allowed))
         premise = premises[loop]
@@ -297,9 +181,9 @@ def _conditions(
                 plant_ratio=frozen(found.plant_ratio[loop]),
                 allowed=frozen(allowed),
                 worst_ratio=float(ratio[worst]),
-                at=plant_point(plants, found.plant[loop, worst], omega[worst], responses),
+                at=model.point(found.plant[loop, worst], omega[worst]),
                 worst_use=worst_use,
-                worst_use_at=plant_point(plants, found.plant[loop, use], omega[use], responses),
+                worst_use_at=model.point(found.plant[loop, use], omega[use]),
                 low_frequency_limit=worst == 0,
                 nominal_stable=bool(premise.nominal.stable[0]),
                 poles_equal=premise.equal,

@@ -55,7 +55,7 @@ class Curves:
 
     @classmethod
     def of(cls, problem: Problem) -> Curves:
-        """Return a curves of all loops of a problem."""
+        """Return the curves of all loops of a problem."""
         objective = problem.objective
         weighted = objective if isinstance(objective, WeightedSensitivity) else None
         curves = cls(problem.structure, {peak.name: peak for peak in problem.peaks}, weighted, {})
@@ -65,7 +65,7 @@ class Curves:
         return curves
 
     def picked(self, rows: dict[str, IntArray]) -> Curves:
-        """Return a curves of some plants of each set of loops."""
+        """Return the curves of some plants of each set of loops."""
         sampled = {
             name: replace(one, loops=one.loops.picked(rows[name]))
             for name, one in self._sampled.items()
@@ -73,7 +73,7 @@ class Curves:
         return Curves(self._structure, self.peaks, self._weighted, sampled)
 
     def without(self, name: str) -> Curves:
-        """Return a curves without one requirement."""
+        """Return the curves without one requirement."""
         peaks = {key: peak for key, peak in self.peaks.items() if key != name}
         sampled = {
             loops: replace(

@@ -105,5 +105,6 @@ def force_reference(
     winds_up = (force > law.largest and gained > 0) or (force < law.least and gained < 0)
     if not winds_up:
         state[INTEGRAL] += gained
-    state[FORCE] = min(max(force, law.least), law.largest)
-    return state[FORCE]
+    limited: float = min(max(force, law.least), law.largest)
+    state[FORCE] = limited
+    return limited

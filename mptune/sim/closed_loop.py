@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-import numpy as np
-
 from mptune.arrays import FloatArray, IntArray, kernel
 from mptune.force.cost import force_limits, supply_pressures
 from mptune.force.select import decide
@@ -30,6 +28,8 @@ from mptune.signals.trajectory import reference
 from mptune.sim.integrator import integrate, new_work
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from mptune.force.search_space import SearchSpace
     from mptune.params.pack import (
         FeedforwardTuple,

@@ -9,21 +9,12 @@ from mptune.sim.lag import Fade, fade_of, held_lag_end, lag_end, lagged
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
+    from mptune.params.pack import Plant
     from mptune.sim.lag import Cubic
 
 
-class LinearMachine(NamedTuple):
-    """One linear machine."""
-
-    mass: float  # kg
-    delay: float  # s
-    tau_a: float  # s
-    tau_b: float  # s
-    share_a: float  # A_A/(A_A + A_B)
-
-
 class Stride(NamedTuple):
-    """A step of one machine: its length, and how both sides fade over it."""
+    """A step of one plant: its length, and how both sides fade over it."""
 
     length: float  # s
     fade_a: Fade
@@ -42,19 +33,19 @@ class Push(NamedTuple):
 
 
 @kernel
-def stride_of(machine: LinearMachine, length: float) -> Stride:
-    """Return a machine's step of that length [s]."""
-    return Stride(length, fade_of(machine.tau_a, length), fade_of(machine.tau_b, length))
+def stride_of(plant: Plant, length: float) -> Stride:
+    """Return a plant's step of that length [s]."""
+    return Stride(length, fade_of(plant.tau_a, length), fade_of(plant.tau_b, length))
 
 
 @kernel
-def push(machine: LinearMachine, side_a: float, side_b: float, wanted: Cubic, by: Stride) -> Push:
+def push(plant: Plant, side_a: float, side_b: float, wanted: Cubic, by: Stride) -> Push:
     """Return the force of both sides over one step.
 
     Parameters
     ----------
     machine
-        The machine.
+        The plant.
     side_a, side_b
         Where the lags stand: the force that all of the area would give [N].
     wanted
@@ -62,8 +53,8 @@ def push(machine: LinearMachine, side_a: float, side_b: float, wanted: Cubic, by
     by
         The step.
     """
-    a, b = machine.share_a, 1 - machine.share_a
-    lag_a, lag_b = lagged(side_a, machine.tau_a, wanted), lagged(side_b, machine.tau_b, wanted)
+    a, b = plant.share_a, 1 - plant.share_a
+    lag_a, lag_b = lagged(side_a, plant.tau_a, wanted), lagged(side_b, plant.tau_b, wanted)
     start = a * (lag_a.settled.c0 + lag_a.decaying) + b * (lag_b.settled.c0 + lag_b.decaying)
     end_a, once_a, twice_a = lag_end(lag_a, by.fade_a, by.length)
     end_b, once_b, twice_b = lag_end(lag_b, by.fade_b, by.length)
@@ -72,11 +63,11 @@ def push(machine: LinearMachine, side_a: float, side_b: float, wanted: Cubic, by
 
 
 @kernel
-def move_on(state: FloatArray, machine: LinearMachine, wanted: float, by: Stride) -> None:
+def move_on(state: FloatArray, plant: Plant, wanted: float, by: Stride) -> None:
     """Advance side A, side B, velocity and position, ``(4,)``, under a held force reference [N]."""
-    a, b = machine.share_a, 1 - machine.share_a
+    a, b = plant.share_a, 1 - plant.share_a
     end_a, once_a, twice_a = held_lag_end(state[0], wanted, by.fade_a, by.length)
     end_b, once_b, twice_b = held_lag_end(state[1], wanted, by.fade_b, by.length)
     state[0], state[1] = end_a, end_b
-    state[3] += by.length * state[2] + (a * twice_a + b * twice_b) / machine.mass
-    state[2] += (a * once_a + b * once_b) / machine.mass
+    state[3] += by.length * state[2] + (a * twice_a + b * twice_b) / plant.mass
+    state[2] += (a * once_a + b * once_b) / plant.mass

@@ -82,3 +82,15 @@ def _travel(table: FloatArray, duration: float) -> float:
     times = np.linspace(0, duration, 1001)
     path = np.array([trajectory.reference(time, table)[0] for time in times])
     return float(np.abs(np.diff(path)).sum())
+
+
+def distinct_moves(manoeuvres: Sequence[Manoeuvre]) -> tuple[Moves, ...]:
+    """Return each different move from rest, for a linear loop.
+
+    There, moves that differ by their distance only have the same index.
+    """
+    alike = {
+        move if move.kind == "file" else move.model_copy(update={"distance": 1.0})
+        for move in manoeuvres
+    }
+    return tuple(moves_of([move]) for move in sorted(alike, key=repr))

@@ -16,72 +16,65 @@ import numba
 import numpy as np
 
 from mptune.arrays import FloatArray, kernel, parallel_kernel
+from mptune.loops.velocity import plant_at
+from mptune.params.pack import LoopGains
 from mptune.signals.differentiator import DIVISOR, WEIGHTS
 from mptune.signals.trajectory import reference
 from mptune.sim.lag import Cubic, fade_of, hermite, integral, lag_end, lagged, value_and_slope
-from mptune.sim.linear_machine import LinearMachine, push, stride_of
+from mptune.sim.linear_machine import push, stride_of
 
 if TYPE_CHECKING:
-    from mptune.params.pack import LoopGains, MeasurementPath, Plants
+    from mptune.loops.family import FamilyLoops
+    from mptune.params.pack import MeasurementPath, Plant, Plants
     from mptune.sim.lag import Fade
 
 _LONGEST_STEP = 5e-4  # s; and no longer than a sample of the measurement path
 _AT_REST = np.zeros((1, 7))
 
 
-def velocity_step(
-    plants: Plants, share_a: float, k_p_vel: float, path: MeasurementPath, time: FloatArray
-) -> FloatArray:
+def velocity_step(loops: FamilyLoops, time: FloatArray) -> FloatArray:
     """Return the velocity after a unit step of the velocity reference, ``(N, T)``.
 
     The position loop is open. ``time`` ``(T,)`` rises from 0 [s].
     """
-    from mptune.params.pack import LoopGains
-
-    gains = LoopGains(k_p_vel, 0.0, 0.0, 1.0, 0.0, 1.0)
-    levels = (1.0, 0.0, 0.0)
-    return _responses(plants, share_a, gains, path, time, _AT_REST, levels)[:, :, 1]
+    gains = LoopGains(loops.gains.k_p_vel, 0.0, 0.0, 1.0, 0.0, 1.0)
+    return _responses(loops.plants, gains, loops.path, time, _AT_REST, (1.0, 0.0, 0.0))[:, :, 1]
 
 
-def position_step(
-    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, time: FloatArray
-) -> FloatArray:
+def position_step(loops: FamilyLoops, time: FloatArray) -> FloatArray:
     """Return the position after a unit step of the position reference alone, ``(N, T)``."""
-    levels = (0.0, 1.0, 0.0)
-    return _responses(plants, share_a, gains, path, time, _AT_REST, levels)[:, :, 0]
+    return _of_position(loops, time, (0.0, 1.0, 0.0))
 
 
-def load_step(
-    plants: Plants, share_a: float, gains: LoopGains, path: MeasurementPath, time: FloatArray
-) -> FloatArray:
+def load_step(loops: FamilyLoops, time: FloatArray) -> FloatArray:
     """Return the position after a step of the load force, per newton, ``(N, T)`` [m/N].
 
     A positive load pushes against positive motion, as in Eq. 1.
     """
-    levels = (0.0, 0.0, 1.0)
-    return _responses(plants, share_a, gains, path, time, _AT_REST, levels)[:, :, 0]
+    return _of_position(loops, time, (0.0, 0.0, 1.0))
+
+
+def _of_position(
+    loops: FamilyLoops, time: FloatArray, levels: tuple[float, float, float]
+) -> FloatArray:
+    return _responses(loops.plants, loops.gains, loops.path, time, _AT_REST, levels)[:, :, 0]
 
 
 def tracking(
-    plants: Plants,
-    share_a: float,
-    gains: LoopGains,
-    path: MeasurementPath,
-    time: FloatArray,
-    pieces: FloatArray,
+    loops: FamilyLoops, time: FloatArray, pieces: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return position and velocity, ``(N, T)`` each, for moves with velocity feed-forward.
 
     ``pieces`` ``(P, 7)`` is the reference, see ``mptune.signals.trajectory``.
     """
-    found = _responses(plants, share_a, gains, path, time, pieces, (0.0, 0.0, 0.0))
+    levels = (0.0, 0.0, 0.0)
+    found = _responses(loops.plants, loops.gains, loops.path, time, pieces, levels)
     return found[:, :, 0], found[:, :, 1]
 
 
 @parallel_kernel
 def _responses(
     plants: Plants,
-    share_a: float,
     gains: LoopGains,
     path: MeasurementPath,
     time: FloatArray,
@@ -95,10 +88,7 @@ def _responses(
     count = len(plants.mass)
     found = np.empty((count, len(time), 2))
     for n in numba.prange(count):
-        machine = LinearMachine(
-            plants.mass[n], plants.delay[n], plants.tau_a[n], plants.tau_b[n], share_a
-        )
-        _response(machine, gains, path, time, pieces, levels, found[n])
+        _response(plant_at(plants, n), gains, path, time, pieces, levels, found[n])
     return found
 
 
@@ -197,7 +187,7 @@ def _shaped_on(shaped: _Shaped, error: Cubic, fade: Fade, step: float) -> _Shape
 
 @kernel
 def _response(
-    machine: LinearMachine,
+    plant: Plant,
     gains: LoopGains,
     path: MeasurementPath,
     time: FloatArray,
@@ -206,12 +196,12 @@ def _response(
     found: FloatArray,
 ) -> None:
     """Fill ``found`` ``(T, 2)`` with position and velocity of one plant."""
-    mass, load = machine.mass, levels[2]
+    mass, load = plant.mass, levels[2]
     longest = _LONGEST_STEP if path.sample_time == 0 else min(_LONGEST_STEP, path.sample_time)
-    behind = int(np.ceil(machine.delay / longest))
-    h = machine.delay / behind
+    behind = int(np.ceil(plant.delay / longest))
+    h = plant.delay / behind
     steps = int(time[-1] / h) + 1
-    stride, fade = stride_of(machine, h), fade_of(gains.tau, h)
+    stride, fade = stride_of(plant, h), fade_of(gains.tau, h)
     force = np.zeros((steps, 4))  # F_ref over each step: start, slope, end, slope
     x, v, y, dy = np.zeros(steps + 1), np.zeros(steps + 1), np.zeros(steps + 1), np.zeros(steps + 1)
     side_a, side_b, shaped = 0.0, 0.0, _Shaped(0.0, 0.0, 0.0)
@@ -223,7 +213,7 @@ def _response(
         if k >= behind:
             row = force[k - behind]
             past = hermite(row[0], row[1], row[2], row[3], h)
-        pushed = push(machine, side_a, side_b, past, stride)
+        pushed = push(plant, side_a, side_b, past, stride)
         side_a, side_b = pushed.side_a, pushed.side_b
         start, end = pushed.start - load, pushed.end - load
         if path.sample_time == 0:

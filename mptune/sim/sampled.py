@@ -15,7 +15,7 @@ import numpy as np
 
 from mptune.arrays import FloatArray, frozen, kernel
 from mptune.loops.family import time_constants_at
-from mptune.params.pack import pack_feedforward, pack_filters, pack_gains
+from mptune.params.pack import Plant, pack_feedforward, pack_filters, pack_gains
 from mptune.signals.differentiator import WEIGHTS, differentiated, remember
 from mptune.signals.outer_loop import (
     FORCE,
@@ -26,7 +26,7 @@ from mptune.signals.outer_loop import (
     outer_law,
 )
 from mptune.signals.trajectory import reference
-from mptune.sim.linear_machine import LinearMachine, move_on, stride_of
+from mptune.sim.linear_machine import move_on, stride_of
 from mptune.sim.moves import moves_of
 
 if TYPE_CHECKING:
@@ -85,7 +85,8 @@ def linear_moves(
             delay = sum(pair) / 2 + machine.valves.computation_delay[1]
             for modulus in machine.verification.oil_bulk_moduli:
                 tau_a, tau_b = time_constants_at(study, modulus, machine.verification.start)
-                plant = LinearMachine(mass, delay, tau_a, tau_b, machine.cylinder.share_a)
+                held = delay + period / 2
+                plant = Plant(mass, held, tau_a, tau_b, machine.cylinder.share_a)
                 traces = run_linear(
                     plant, pack_gains(gains), path, period, moves.pieces, ahead, ticks
                 )
@@ -123,7 +124,7 @@ def _judge(
 
 @kernel
 def run_linear(
-    machine: LinearMachine,
+    plant: Plant,
     gains: LoopGains,
     path: MeasurementPath,
     period: float,
@@ -135,9 +136,9 @@ def run_linear(
 
     Parameters
     ----------
-    machine, gains, path
-        The machine, its delay that of valve and computation, the gains, and the measurement path
-        at T_S,fast.
+    plant, gains, path
+        The plant, whose delay holds T_S/2 for the hold, the gains, and the measurement path at
+        T_S,fast.
     period
         T_S [s].
     pieces
@@ -149,10 +150,11 @@ def run_linear(
     """
     fast, pole = path.sample_time, path.filter_pole
     every = round(period / fast)
-    whole = int(machine.delay / fast + 1e-9)
-    within = max(machine.delay - whole * fast, 0.0)  # of a tick, where a new reference arrives
-    whole_tick = stride_of(machine, fast)
-    before_it, after_it = stride_of(machine, within), stride_of(machine, fast - within)
+    delay = plant.delay - period / 2  # valve and computation
+    whole = int(delay / fast + 1e-9)
+    within = max(delay - whole * fast, 0.0)  # of a tick, where a new reference arrives
+    whole_tick = stride_of(plant, fast)
+    before_it, after_it = stride_of(plant, within), stride_of(plant, fast - within)
     law = outer_law(gains, ahead, period, 0.0, NO_LIMITS)
     commands = np.zeros(ticks // every + 2)
     traces = np.empty((4, ticks))
@@ -170,9 +172,9 @@ def run_linear(
         traces[0, tick], traces[1, tick] = r, state[3]
         traces[2, tick], traces[3, tick] = state[2], outer[FORCE]
         if tick >= whole and (tick - whole) % every == 0:
-            move_on(state, machine, applied, before_it)
+            move_on(state, plant, applied, before_it)
             applied = commands[(tick - whole) // every]
-            move_on(state, machine, applied, after_it)
+            move_on(state, plant, applied, after_it)
         else:
-            move_on(state, machine, applied, whole_tick)
+            move_on(state, plant, applied, whole_tick)
     return traces

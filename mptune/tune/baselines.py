@@ -5,14 +5,14 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from mptune.progress import silent
 from mptune.robust.sweep import sweep
 from mptune.tune.tuner import Tuner
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from mptune.params.controller import Gains
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.robust.result import SweepResult
     from mptune.tune.objective import Figures
     from mptune.tune.result import TuneResult, TuneStatus
@@ -61,7 +61,7 @@ class Baseline:
 def baselines(
     study: ResolvedStudy,
     tuned: TuneResult,
-    progress: Callable[[float], None] = lambda _share: None,
+    progress: Progress = silent,
 ) -> tuple[Baseline, ...]:
     """Return the study's own gains, P, PI and PID tuned alike, and the tuned gains.
 
@@ -70,10 +70,10 @@ def baselines(
     own = Baseline("own", None, tuned.before, tuned.figures_before, sweep(study))
     rows, tuner = [own], Tuner(study)
     for n, name in enumerate(SIMPLER):
-        progress(n / len(SIMPLER))
+        progress("compare", n / len(SIMPLER))
         rows.append(_row(tuner.tuned(name)))
     rows.append(_row(tuned))
-    progress(1.0)
+    progress("compare", 1.0)
     return tuple(rows)
 
 

@@ -16,11 +16,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.arrays import kernel
-from mptune.loops.broken import FORCE, position_path, velocity_path
-from mptune.loops.family import FamilyLoops, nominal_plants
+from mptune.loops.broken import position_path, velocity_path
+from mptune.loops.family import nominal_plants
 from mptune.loops.sampled import coefficient_count, measured_parts, sampled_plant
 from mptune.loops.stability import count_unstable_poles
-from mptune.loops.velocity import true_velocity
+from mptune.loops.velocity import plant_at, true_velocity
 from mptune.params.pack import LoopGains
 from mptune.robust.condition import nominal_loops
 from mptune.robust.grid import frequency_range
@@ -40,12 +40,13 @@ from mptune.shape.shaping import Shaped, shape_loop
 from mptune.shape.structure import Structure, position, position_gains, position_parameters
 from mptune.signals.conditioning import filter_response
 from mptune.signals.differentiator import differentiator_over_s
+from mptune.sim.moves import distinct_moves
 from mptune.tune.position_limits import damping_limits, frequency_limits
 
 if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray, IntArray
     from mptune.params.pack import MeasurementPath, Plants
-    from mptune.robust.model import Task
+    from mptune.robust.model import LinearModel
     from mptune.shape.problem import Between, Requirement
 
 _POINTS = 250
@@ -62,8 +63,8 @@ class Core:
 
     Attributes
     ----------
-    task
-        The task.
+    model
+        The study's linear model.
     gains
         The velocity gain, and gains to start from.
     rows
@@ -72,7 +73,7 @@ class Core:
         Bounds of single gains by name, in SI.
     """
 
-    task: Task
+    model: LinearModel
     gains: LoopGains
     rows: IntArray
     limits: dict[str, tuple[float, float]]
@@ -88,16 +89,16 @@ class Core:
     def problem(self, tau: float, kind: str) -> Problem:
         """Return the loop-shaping problem at one τ [s]."""
         structure = position(tau)
-        task = self.task
-        low, high = frequency_range(task.plants, task.nominal, self.gains)
+        model = self.model
+        low, high = frequency_range(model.plants, model.nominal, self.gains)
         omega = np.geomspace(low, high, _POINTS)
         loops = {
-            NOMINAL: _loops(omega, partial(_nominal, task, self.gains), 1),
-            TRUE: _loops(omega, partial(_true, task, self.gains, self.rows), len(self.rows)),
+            NOMINAL: _loops(omega, partial(_nominal, model, self.gains), 1),
+            TRUE: _loops(omega, partial(_true, model, self.gains, self.rows), len(self.rows)),
         }
-        if task.requirements.sampled_sensitivity_peak is not None:
-            bent = np.geomspace(low, _bent(_BELOW_NYQUIST * np.pi / task.period, task), _POINTS)
-            sampled = partial(_sampled, task, self.gains, self.rows)
+        if model.requirements.sampled_sensitivity_peak is not None:
+            bent = np.geomspace(low, _bent(_BELOW_NYQUIST * np.pi / model.period, model), _POINTS)
+            sampled = partial(_sampled, model, self.gains, self.rows)
             loops[SAMPLED] = _loops(bent, sampled, len(self.rows))
         bounds = self._bounds(structure)
         return Problem(
@@ -109,8 +110,8 @@ class Core:
         )
 
     def _requirements(self, omega: FloatArray) -> list[Peak | Norm]:
-        asked, task = self.task.requirements, self.task
-        left = self.task.sides(omega, self.gains).left[1]
+        asked, model = self.model.requirements, self.model
+        left = self.model.sides(omega, self.gains).left[1]
 
         def largest(at: FloatArray) -> FloatArray:
             error = np.exp(np.interp(np.log(at), np.log(omega), np.log(left)))
@@ -133,7 +134,7 @@ class Core:
             if limit is not None:
                 found.append(Peak(name, function, limit, loops))
         if asked.noise_gain is not None:
-            found.append(_noise(task, self.gains.k_p_vel, asked.noise_gain))
+            found.append(_noise(model, self.gains.k_p_vel, asked.noise_gain))
         return found
 
     def _bounds(self, structure: Structure) -> list[Requirement]:
@@ -148,7 +149,7 @@ class Core:
 
     def _objective(self, structure: Structure, kind: str) -> Maximise | WeightedSensitivity:
         if kind == "tracking":
-            return WeightedSensitivity(partial(_spectrum, self.task), TRUE)
+            return WeightedSensitivity(partial(_spectrum, self.model), TRUE)
         place = 0 if kind == "bandwidth" else 3
         return Maximise(np.eye(len(structure.names))[place])
 
@@ -161,9 +162,9 @@ class Core:
     def _stable(self, tau: float, x: FloatArray) -> bool:
         if x[0] <= 0 or x[2] <= 0:
             return False
-        task, gains = self.task, self._gains_at(tau, x)
-        for plants in (nominal_plants(task.nominal), task.picked(self.rows)):
-            loops = FamilyLoops(FORCE, plants, task.share_a, gains, task.path)
+        model, gains = self.model, self._gains_at(tau, x)
+        for plants in (nominal_plants(model.nominal), model.plants.picked(self.rows)):
+            loops = model.loops(gains, plants=plants)
             if not count_unstable_poles(loops).stable.all():
                 return False
         return True
@@ -175,26 +176,26 @@ def _loops(omega: FloatArray, between: Between, count: int) -> Loops:
 
 
 def _nominal(
-    task: Task, gains: LoopGains, omega: FloatArray, rows: IntArray
+    model: LinearModel, gains: LoopGains, omega: FloatArray, rows: IntArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return the nominal position loop over G_P, and its part without G_P: none."""
     # With ω = ξ = τ = 1 and no I-term Eq. 22 is 1: what is left is the plant.
     one = gains._replace(k_p_pos=1.0, k_i_pos=0.0, omega=1.0, xi=1.0, tau=1.0)
-    plant = np.tile(nominal_loops(omega, task.nominal, one, task.path)[1], (len(rows), 1))
+    plant = np.tile(nominal_loops(omega, model.nominal, one, model.path)[1], (len(rows), 1))
     return plant, np.zeros_like(plant)
 
 
 def _true(
-    task: Task, gains: LoopGains, every: IntArray, omega: FloatArray, rows: IntArray
+    model: LinearModel, gains: LoopGains, every: IntArray, omega: FloatArray, rows: IntArray
 ) -> tuple[ComplexArray, ComplexArray]:
-    plants = task.picked(every[rows])
-    parts = _force_parts(omega, plants, task.share_a, gains.k_p_vel, task.path)
+    plants = model.plants.picked(every[rows])
+    parts = _force_parts(omega, plants, gains.k_p_vel, model.path)
     return parts[0], parts[1]
 
 
 @kernel
 def _force_parts(
-    omega: FloatArray, plants: Plants, share_a: float, k_p_vel: float, path: MeasurementPath
+    omega: FloatArray, plants: Plants, k_p_vel: float, path: MeasurementPath
 ) -> ComplexArray:
     """Return the loops broken at F_ref: over G_P, and the part without it, ``(2, N, F)``."""
     parts = np.empty((2, len(plants.mass), len(omega)), np.complex128)
@@ -202,45 +203,29 @@ def _force_parts(
         s = 1j * omega[f]
         position, velocity = position_path(s, path) / s, velocity_path(s, path)
         for n in range(len(plants.mass)):
-            plant = k_p_vel * true_velocity(
-                s, plants.mass[n], plants.delay[n], plants.tau_a[n], plants.tau_b[n], share_a
-            )
+            plant = k_p_vel * true_velocity(s, plant_at(plants, n))
             parts[0, n, f], parts[1, n, f] = plant * position, plant * velocity
     return parts
 
 
 def _sampled(
-    task: Task, gains: LoopGains, every: IntArray, omega: FloatArray, rows: IntArray
+    model: LinearModel, gains: LoopGains, every: IntArray, omega: FloatArray, rows: IntArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return the sampled loops over G_P at Tustin's frequencies, and their parts without it."""
-    plants, where = task.picked(every[rows]), (task.filters, task.period)
-    parts = _sampled_parts(omega, plants, task.share_a, gains.k_p_vel, *where)
+    plants, where = model.plants.picked(every[rows]), (model.filters, model.period)
+    parts = _sampled_parts(omega, plants, gains.k_p_vel, *where)
     return parts[0], parts[1]
 
 
 @kernel
 def _sampled_parts(
-    omega: FloatArray,
-    plants: Plants,
-    share_a: float,
-    k_p_vel: float,
-    path: MeasurementPath,
-    period: float,
+    omega: FloatArray, plants: Plants, k_p_vel: float, path: MeasurementPath, period: float
 ) -> ComplexArray:
     parts = np.empty((2, len(plants.mass), len(omega)), np.complex128)
     hold = period / 2
-    count = coefficient_count(plants.delay.max() - hold, path, period)
+    count = coefficient_count(plants.delay.max(), path, period)
     for n in range(len(plants.mass)):
-        plant = sampled_plant(
-            plants.mass[n],
-            plants.delay[n] - hold,
-            plants.tau_a[n],
-            plants.tau_b[n],
-            share_a,
-            path,
-            period,
-            count,
-        )
+        plant = sampled_plant(plant_at(plants, n), path, period, count)
         for f in range(len(omega)):
             true = np.arctan(omega[f] * hold) / hold  # where Tustin puts this frequency
             position, velocity = measured_parts(1j * true, plant, period)
@@ -248,15 +233,15 @@ def _sampled_parts(
     return parts
 
 
-def _bent(omega: float, task: Task) -> float:
+def _bent(omega: float, model: LinearModel) -> float:
     """Return the frequency of Eq. 22 that Tustin's approximation puts at ω [rad/s]."""
-    return float(2 / task.period * np.tan(omega * task.period / 2))
+    return float(2 / model.period * np.tan(omega * model.period / 2))
 
 
-def _spectrum(task: Task, omega: FloatArray) -> FloatArray:
+def _spectrum(model: LinearModel, omega: FloatArray) -> FloatArray:
     """Return the size of the references' spectrum, largest over the moves and above each ω."""
     sizes = []
-    for move in task.moves:
+    for move in distinct_moves(model.study.study.manoeuvre):
         time = np.linspace(0, move.duration, _MOVE_SAMPLES + 1)
         steps = np.diff(move.sampled(_MOVE_SAMPLES))
         waves = np.exp(-1j * omega[:, None] * 0.5 * (time[1:] + time[:-1]))
@@ -267,9 +252,9 @@ def _spectrum(task: Task, omega: FloatArray) -> FloatArray:
     return np.asarray(largest / largest.max())
 
 
-def _noise(task: Task, k_p_vel: float, limit: float) -> Norm:
+def _noise(model: LinearModel, k_p_vel: float, limit: float) -> Norm:
     """Return the noise gain's bound, see ``mptune.loops.noise``; here with the integral term."""
-    path = task.filters
+    path = model.filters
     half_rate = np.pi / path.sample_time
     omega = np.geomspace(_LOWEST_NOISE, half_rate, _NOISE_POINTS)
     s = 1j * omega

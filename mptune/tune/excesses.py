@@ -26,7 +26,7 @@ from mptune.robust.verdict import allowed_ratio
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
     from mptune.params.pack import LoopGains
-    from mptune.robust.model import Task
+    from mptune.robust.model import LinearModel
     from mptune.robust.place import PlantPoint
 
 WINDOWS = 40  # of frequency, each judged by its largest ratio
@@ -60,43 +60,42 @@ class Excess(NamedTuple):
     plant: int
     frequency: float
 
-    def at(self, task: Task) -> PlantPoint | None:
+    def at(self, model: LinearModel) -> PlantPoint | None:
         """Return the place; None for requirements that know no plant."""
         if self.plant < 0:
             return None
-        return task.point(self.plant, self.frequency)
+        return model.point(self.plant, self.frequency)
 
 
 class Excesses:
-    """The requirements of one task.
+    """The requirements of one study.
 
     Parameters
     ----------
-    task
-        The task.
+    model
+        The study's linear model.
     start
         Gains from which frequencies and first plants are chosen.
     """
 
-    def __init__(self, task: Task, start: LoopGains) -> None:
-        self._task = task
-        low, high = frequency_range(task.plants, task.nominal, start)
+    def __init__(self, model: LinearModel, start: LoopGains) -> None:
+        self._model = model
+        low, high = frequency_range(model.plants, model.nominal, start)
         self._omega = np.geomspace(low, high, POINTS)
-        if task.members is not None:
-            self._omega = _with(self._omega, task.members.omega)
+        if model.members is not None:
+            self._omega = _with(self._omega, model.members.omega)
         self._coarse = np.geomspace(low, high, _MARGIN_POINTS)
-        limit = task.requirements.position_ratio
+        limit = model.requirements.position_ratio
         self._allowed = np.log(allowed_ratio(limit, self._omega)) + np.log1p(-_IN_HAND)
         self._envelope = self._behind(start)
-        corners = task.corners()
-        members = task.members
+        corners = model.corners()
+        members = model.members
         self._true = corners[:0] if members is not None and members.instead else corners
         self._sampled = corners
-        self._peaks = tuple(name for name in PEAKS if getattr(task.requirements, name) is not None)
+        self._peaks = tuple(name for name in PEAKS if getattr(model.requirements, name) is not None)
         # Where no hold fits into the delay there is no sampled loop to ask: the verdict says so.
-        runs = bool(task.plants.delay.min() >= task.period / 2)
         self._of_sampled = tuple(
-            name for name in SAMPLED if runs and getattr(task.requirements, name) is not None
+            name for name in SAMPLED if model.runs and getattr(model.requirements, name) is not None
         )
 
     @property
@@ -111,10 +110,10 @@ class Excesses:
     def names(self) -> tuple[str, ...]:
         """The requirement behind each of the excesses."""
         found = [POSITION] * WINDOWS
-        measured = len(self._task.members) if self._task.members is not None else 0
+        measured = len(self._model.members) if self._model.members is not None else 0
         found += [name for name in self._peaks for _ in range(len(self._true) + measured)]
         found += [name for name in self._of_sampled for _ in self._sampled]
-        if self._task.requirements.noise_gain is not None:
+        if self._model.requirements.noise_gain is not None:
             found.append(NOISE)
         return tuple(found)
 
@@ -129,11 +128,11 @@ class Excesses:
 
     def worst(self, gains: LoopGains) -> tuple[Excess, ...]:
         """Return each requirement's worst over the whole family."""
-        every = np.arange(len(self._task.plants.mass))
+        every = np.arange(len(self._model.plants.mass))
         ratio, plant = self._ratio_excess(gains, every)
         top = int(np.argmax(ratio))
         found = [Excess(POSITION, float(ratio[top]), int(plant[top]), float(self._omega[top]))]
-        members = self._task.members
+        members = self._model.members
         true = every[:0] if members is not None and members.instead else every
         kinds = (*self._peak_excesses(gains, true), *self._sampled_excesses(gains, every))
         for name, values, frequency in kinds:
@@ -168,8 +167,8 @@ class Excesses:
         return found, added
 
     def _ratio_excess(self, gains: LoopGains, rows: IntArray) -> tuple[FloatArray, IntArray]:
-        found = self._task.sides(self._omega, gains, self._task.picked(rows))
-        count = len(self._task.plants.mass)
+        found = self._model.sides(self._omega, gains, self._model.plants.picked(rows))
+        count = len(self._model.plants.mass)
         of_box = rows[np.minimum(found.plant[1], len(rows) - 1)]
         members = count + found.plant[1] - len(rows)  # measured ones come after the box's
         plant = np.where(found.plant[1] < len(rows), of_box, members)
@@ -177,23 +176,23 @@ class Excesses:
 
     def _behind(self, gains: LoopGains) -> IntArray:
         """Return the plants of the box behind the envelopes."""
-        plant = np.unique(self._task.sides(self._omega, gains).plant)
-        return plant[plant < len(self._task.plants.mass)]
+        plant = np.unique(self._model.sides(self._omega, gains).plant)
+        return plant[plant < len(self._model.plants.mass)]
 
     def _peak_excesses(
         self, gains: LoopGains, rows: IntArray
     ) -> list[tuple[str, FloatArray, FloatArray]]:
         if not self._peaks:
             return []
-        task, parts = self._task, []
+        model, parts = self._model, []
         if len(rows):
-            where = (task.picked(rows), task.share_a, gains, task.path)
-            parts.append(family_margins(self._coarse, *where))
-        if task.members is not None:
-            parts.append(member_margins(task.members, gains, task.path))
+            loops = model.loops(gains, plants=model.plants.picked(rows))
+            parts.append(family_margins(self._coarse, loops))
+        if model.members is not None:
+            parts.append(member_margins(model.members, gains, model.path))
         found = []
         for name in self._peaks:
-            limit, at = getattr(task.requirements, name), name.replace("peak", "frequency")
+            limit, at = getattr(model.requirements, name), name.replace("peak", "frequency")
             peak = np.concatenate([getattr(part, name)[FORCE] for part in parts])
             frequency = np.concatenate([getattr(part, at)[FORCE] for part in parts])
             found.append((name, np.log(peak / limit) + _ROUNDING, frequency))
@@ -204,18 +203,18 @@ class Excesses:
     ) -> list[tuple[str, FloatArray, FloatArray]]:
         if not self._of_sampled:
             return []
-        task, plants = self._task, self._task.picked(rows)
-        where = (plants, task.share_a, gains, task.filters, task.period)
-        stable = stable_as_sampled(*where)[0]
-        margins = sampled_margins(self._coarse, *where)
+        model = self._model
+        loops = model.as_it_runs(gains, model.plants.picked(rows))
+        stable = stable_as_sampled(loops, model.period)[0]
+        margins = sampled_margins(self._coarse, loops, model.period)
         found = []
         if "sampled_sensitivity_peak" in self._of_sampled:
-            limit = task.requirements.sampled_sensitivity_peak
+            limit = model.requirements.sampled_sensitivity_peak
             peak = np.log(margins.sensitivity_peak[FORCE] / limit) + _ROUNDING
             peak = np.where(stable, peak, _UNSTABLE)
             found.append(("sampled_sensitivity_peak", peak, margins.sensitivity_frequency[FORCE]))
         if "gain_margin" in self._of_sampled:
-            limit = task.requirements.gain_margin
+            limit = model.requirements.gain_margin
             # An unstable loop's margin is below 1: the factor that would make it stable.
             factor = np.where(stable, margins.gain_margin[FORCE], margins.gain_reduction[FORCE])
             at = np.where(stable, margins.gain_frequency[FORCE], margins.reduction_frequency[FORCE])
@@ -224,7 +223,7 @@ class Excesses:
         return found
 
     def _noise_excess(self, gains: LoopGains) -> FloatArray:
-        limit = self._task.requirements.noise_gain
+        limit = self._model.requirements.noise_gain
         if limit is None:
             return np.zeros(0)
-        return np.log([noise_gain(gains, self._task.filters) / limit]) + _ROUNDING
+        return np.log([noise_gain(gains, self._model.filters) / limit]) + _ROUNDING

@@ -9,12 +9,12 @@ import numpy as np
 
 from mptune.params.controller import Gains
 from mptune.params.requirements import Objective
+from mptune.progress import silent
 from mptune.tune.tuner import Tuner
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.tune.objective import Figures
     from mptune.tune.search import Searched
 
@@ -52,7 +52,7 @@ class Front:
 def front(
     study: ResolvedStudy,
     count: int = POINTS,
-    progress: Callable[[float], None] = lambda _share: None,
+    progress: Progress = silent,
 ) -> Front:
     """Return the least tracking index for each of ``count`` integral gains.
 
@@ -70,13 +70,13 @@ def front(
     low, high = best.choice.gains.k_i_pos, most.choice.gains.k_i_pos
     found, last = [best], best
     for n, k_i in enumerate(np.linspace(low, high, count)[1:-1]):
-        progress(n / count)
+        progress("front", n / count)
         at = {"k_i_pos": (float(k_i), float(k_i))}
         last = tuner.searched(extra=at, first=last.choice)[1]
         found.append(last)
     found.append(most)
     points = [_point(tuner, one) for one in found if one.feasible]
-    progress(1.0)
+    progress("front", 1.0)
     return Front(tuple(points), tuner.figures(tuner.before))
 
 

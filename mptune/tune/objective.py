@@ -7,16 +7,17 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.params.pack import LoopGains, Plants, pack_feedforward
+from mptune.loops.family import FamilyLoops
+from mptune.params.pack import LoopGains, Plant, Plants, pack_feedforward
 from mptune.robust.condition import nominal_loops
+from mptune.sim.moves import distinct_moves
 from mptune.sim.response import load_step, tracking
-from mptune.sim.linear_machine import LinearMachine
 from mptune.sim.sampled import run_linear
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
     from mptune.params.requirements import Objective
-    from mptune.robust.model import Task
+    from mptune.robust.model import LinearModel
     from mptune.sim.moves import Moves
     from mptune.tune.space import Choice
 
@@ -67,19 +68,19 @@ def weights_of(objective: Objective) -> dict[str, float]:
 
 
 class Judge:
-    """Computes the figures of merit of one task, on the plants that are worst in them.
+    """Computes the figures of merit of one study, on the plants that are worst in them.
 
     It starts with the family's corners, and ``grow`` asks the whole family. Where feed-forward is
     not free, the corners that are fast in tracking with the given candidate are left to ``grow``
     too; free feed-forward decides itself which of them are slow.
     """
 
-    def __init__(self, task: Task, start: Choice) -> None:
-        self._task = task
-        self._sampled = task.study.study.objective.tracking_loop == "sampled"
-        self._tracking = self._loaded = task.corners()
+    def __init__(self, model: LinearModel, start: Choice) -> None:
+        self._model, self._moves = model, distinct_moves(model.study.study.manoeuvre)
+        self._sampled = model.study.study.objective.tracking_loop == "sampled"
+        self._tracking = self._loaded = model.corners()
         peaks = self.tracking_peaks(start).max(axis=(1, 2))
-        free = task.study.study.objective.free_feedforward
+        free = model.study.study.objective.free_feedforward
         if np.isfinite(peaks).all() and not free:
             self._tracking = self._tracking[peaks >= _SLOW * peaks.max()]
 
@@ -104,25 +105,28 @@ class Judge:
         time, and the measurement path of the study's model; the sampled one is the loop as it
         runs, feed-forward included.
         """
-        plants = self._task.picked(self._tracking if rows is None else rows)
+        plants = self._model.plants.picked(self._tracking if rows is None else rows)
         found = _as_sampled if self._sampled else _continuous
-        peaks = [found(self._task, plants, choice, move) for move in self._task.moves]
+        peaks = [found(self._model, plants, choice, move) for move in self._moves]
         return np.asarray(np.stack(peaks, axis=1))
 
     def load_peaks(self, gains: LoopGains, rows: IntArray | None = None) -> FloatArray:
         """Return each plant's largest position deviation per newton of a load step [m/N]."""
-        task, plants = self._task, self._task.picked(self._loaded if rows is None else rows)
+        model, plants = (
+            self._model,
+            self._model.plants.picked(self._loaded if rows is None else rows),
+        )
         end = _LOAD_TIME / max(gains.k_p_pos, _LOAD_TIME / _LONGEST_LOAD_TIME)
         time = np.linspace(0, end, _LOAD_SAMPLES)
         return np.asarray(
-            np.abs(load_step(plants, task.share_a, gains, task.path, time)).max(axis=1)
+            np.abs(load_step(FamilyLoops(plants, gains, model.path), time)).max(axis=1)
         )
 
     def bandwidth(self, gains: LoopGains) -> float:
         """Return the −3 dB bandwidth of the nominal closed position loop [rad/s]."""
-        crossover = gains.k_p_vel / self._task.nominal.mass
+        crossover = gains.k_p_vel / self._model.nominal.mass
         omega = np.geomspace(1e-3 * crossover, 10 * crossover, 400)
-        loop = nominal_loops(omega, self._task.nominal, gains, self._task.path)[1]
+        loop = nominal_loops(omega, self._model.nominal, gains, self._model.path)[1]
         closed = np.log(np.maximum(np.abs(loop / (1 + loop)), 1e-300)) + 0.5 * np.log(2)
         below = np.flatnonzero(closed < 0)
         if len(below) == 0 or below[0] == 0:
@@ -139,7 +143,7 @@ class Judge:
         tuple
             The worst value by kind, over the whole family, and whether a plant was added.
         """
-        every, worst, added = np.arange(len(self._task.plants.mass)), {}, False
+        every, worst, added = np.arange(len(self._model.plants.mass)), {}, False
         if "tracking" in kinds:
             peaks = self.tracking_peaks(choice, every).max(axis=(1, 2))
             worst["tracking"] = float(peaks.max())
@@ -153,23 +157,23 @@ class Judge:
         return worst, added
 
 
-def _continuous(task: Task, plants: Plants, choice: Choice, move: Moves) -> FloatArray:
+def _continuous(model: LinearModel, plants: Plants, choice: Choice, move: Moves) -> FloatArray:
     time = np.linspace(0, move.duration, _SAMPLES_PER_MOVE + 1)
     wanted = move.sampled(_SAMPLES_PER_MOVE)
-    position, velocity = tracking(plants, task.share_a, choice.gains, task.path, time, move.pieces)
+    loops = FamilyLoops(plants, choice.gains, model.path)
+    position, velocity = tracking(loops, time, move.pieces)
     error = np.abs(position - wanted)[:, 1:].reshape(len(plants.mass), BINS, -1).max(axis=2)
     return np.asarray(error / np.abs(velocity).max(axis=1)[:, None])
 
 
-def _as_sampled(task: Task, plants: Plants, choice: Choice, move: Moves) -> FloatArray:
-    fast = task.filters.sample_time
+def _as_sampled(model: LinearModel, plants: Plants, choice: Choice, move: Moves) -> FloatArray:
+    fast = model.filters.sample_time
     ahead = pack_feedforward(choice.feedforward, fast)
     ticks = round(move.duration / fast) // BINS * BINS
     found = np.empty((len(plants.mass), BINS))
-    for n, (mass, delay, tau_a, tau_b) in enumerate(zip(*plants, strict=True)):
-        plant = LinearMachine(mass, delay - task.period / 2, tau_a, tau_b, task.share_a)
+    for n, plant in enumerate(map(Plant._make, zip(*plants, strict=True))):
         wanted, position, velocity, _ = run_linear(
-            plant, choice.gains, task.filters, task.period, move.pieces, ahead, ticks
+            plant, choice.gains, model.filters, model.period, move.pieces, ahead, ticks
         )
         error = np.abs(wanted - position).reshape(BINS, -1).max(axis=1)
         found[n] = error / np.abs(velocity).max()

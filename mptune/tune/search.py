@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.progress import silent
 from mptune.tune.excesses import Excesses
 from mptune.tune.objective import Judge, weights_of
 from mptune.tune.polish import Polished, Values, polish
@@ -15,11 +16,12 @@ from mptune.tune.space import Choice, Space, space_of
 from mptune.tune.starts import first_points
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterable
+    from collections.abc import Iterable
 
     from mptune.arrays import FloatArray
     from mptune.params.section import Range
-    from mptune.robust.model import Task
+    from mptune.progress import Progress
+    from mptune.robust.model import LinearModel
     from mptune.tune.excesses import Excess
     from mptune.tune.objective import Figures
 
@@ -62,12 +64,12 @@ def nothing(choice: Choice) -> Searched:
 
 
 class GainSearch:
-    """One structure's search within one task.
+    """One structure's search for one study.
 
     Parameters
     ----------
-    task
-        The task.
+    model
+        The study's linear model.
     judge
         Its figures of merit.
     before
@@ -82,19 +84,19 @@ class GainSearch:
 
     def __init__(
         self,
-        task: Task,
+        model: LinearModel,
         judge: Judge,
         before: Figures,
         largest_velocity_gain: float,
         structure: str = "eq22",
         extra: dict[str, Range] | None = None,
     ) -> None:
-        self._task, self._judge, self._before = task, judge, before
-        self._space = space_of(task, largest_velocity_gain, structure, extra)
-        own = task.start.k_p_vel if self._space.crowded else largest_velocity_gain
-        self._start = task.start._replace(k_p_vel=min(own, largest_velocity_gain))
-        self._required = Excesses(task, self._start)
-        self._weights = weights_of(task.study.study.objective)
+        self._model, self._judge, self._before = model, judge, before
+        self._space = space_of(model, largest_velocity_gain, structure, extra)
+        own = model.gains.k_p_vel if self._space.crowded else largest_velocity_gain
+        self._start = model.gains._replace(k_p_vel=min(own, largest_velocity_gain))
+        self._required = Excesses(model, self._start)
+        self._weights = weights_of(model.study.study.objective)
         self._kept: dict[str, float] = {}  # earlier objectives and the most that they may become
         self._evaluations = 0
 
@@ -106,11 +108,11 @@ class GainSearch:
     def run(
         self,
         first: Choice | None = None,
-        progress: Callable[[float], None] = lambda _share: None,
+        progress: Progress = silent,
     ) -> Searched:
         """Return the best candidate for the study's objective, then for those after it."""
         found = self._improve(self._starts(first), progress)
-        objective = self._task.study.study.objective
+        objective = self._model.study.study.objective
         for kind in objective.then:
             if not found.feasible:
                 break
@@ -135,11 +137,11 @@ class GainSearch:
             reliefs.append(Concession(name, factor))
         return tuple(reliefs)
 
-    def _improve(self, starts: Iterable[FloatArray], progress: Callable[[float], None]) -> Searched:
+    def _improve(self, starts: Iterable[FloatArray], progress: Progress) -> Searched:
         outcomes: list[Polished] = []
         for n, start in enumerate(starts):
             outcomes.append(self._from(start))
-            progress(0.7 * (n + 1) / (n + 2))
+            progress("tune", 0.7 * (n + 1) / (n + 2))
             if _agree(outcomes) and not self._space.crowded:
                 break
         best = min(outcomes, key=_rank)
@@ -165,7 +167,7 @@ class GainSearch:
             best = self._nearest(best)
             worst = self._required.worst(self._space.choice(best.point).gains)
             feasible = max(one.excess for one in worst) <= _MET
-        progress(1.0)
+        progress("tune", 1.0)
         return Searched(
             choice=self._space.choice(best.point),
             feasible=feasible,
@@ -190,7 +192,7 @@ class GainSearch:
         if first is not None:
             return [self._space.point(first)]
         kind = max(self._weights, key=lambda kind: self._weights[kind])
-        return first_points(self._task, self._space, self._start, kind)
+        return first_points(self._model, self._space, self._start, kind)
 
     def _from(self, start: FloatArray) -> Polished:
         """Return the outcome from a start, going by the nearest requirements where it must."""

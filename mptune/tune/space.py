@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mptune.params.controller import Feedforward
     from mptune.params.pack import LoopGains
     from mptune.params.section import Range
-    from mptune.robust.model import Task
+    from mptune.robust.model import LinearModel
 
 STRUCTURES = ("p", "pi", "pid", "eq22")
 _OF_STRUCTURE = {
@@ -130,7 +130,7 @@ def _derivative_gain(gains: LoopGains) -> float:
 
 
 def space_of(
-    task: Task,
+    model: LinearModel,
     largest_velocity_gain: float,
     structure: str = "eq22",
     extra: dict[str, Range] | None = None,
@@ -141,14 +141,14 @@ def space_of(
     Eq. 17 may ask for less. Feed-forward is free where the study's objective names it. ``extra``
     bounds replace the study's.
     """
-    bounds = {**_default_bounds(task, largest_velocity_gain), **_stated(task), **(extra or {})}
+    bounds = {**_default_bounds(model, largest_velocity_gain), **_stated(model), **(extra or {})}
     names = [*_OF_STRUCTURE[structure]]
-    if _velocity_gain_is_free(task):
+    if _velocity_gain_is_free(model):
         low = bounds["k_p_vel"][0]
         bounds["k_p_vel"] = (min(low, largest_velocity_gain), largest_velocity_gain)
         names.append("k_p_vel")
-    names += task.study.study.objective.free_feedforward
-    start = task.start._replace(k_p_vel=largest_velocity_gain)
+    names += model.study.study.objective.free_feedforward
+    start = model.gains._replace(k_p_vel=largest_velocity_gain)
     values = {name: _middle(bounds[name]) for name in names if bounds[name][0] == bounds[name][1]}
     fixed = start._replace(
         **{name: value for name, value in values.items() if name in start._fields}
@@ -157,7 +157,7 @@ def space_of(
         fixed = fixed._replace(tau=bounds["tau"][0])
     names = [name for name in names if name not in values]
     scaled = np.array([_scaled(name, bounds[name]) for name in names]).reshape(len(names), 2)
-    choice = Choice(fixed, task.study.study.feedforward)
+    choice = Choice(fixed, model.study.study.feedforward)
     return Space(structure, tuple(names), scaled[:, 0], scaled[:, 1], choice)
 
 
@@ -171,21 +171,21 @@ def _middle(pair: Range) -> float:
     return 0.5 * (pair[0] + pair[1])
 
 
-def _velocity_gain_is_free(task: Task) -> bool:
+def _velocity_gain_is_free(model: LinearModel) -> bool:
     """Return whether less than the largest velocity gain may do better."""
-    asked = task.requirements
+    asked = model.requirements
     others = (asked.gain_margin, asked.sampled_sensitivity_peak, asked.noise_gain)
     margins = (asked.sensitivity_peak, asked.complementary_peak)
     return any(limit is not None for limit in (*others, *margins))
 
 
-def _default_bounds(task: Task, k_p_vel: float) -> dict[str, Range]:
+def _default_bounds(model: LinearModel, k_p_vel: float) -> dict[str, Range]:
     """Return a wide box about the velocity crossover.
 
     τ is at least half a sampling period, below which Tustin's approximation rings.
     """
-    crossover = k_p_vel / task.nominal.mass
-    half_period = task.period / 2
+    crossover = k_p_vel / model.nominal.mass
+    half_period = model.period / 2
     return {
         "k_p_vel": (0.2 * k_p_vel, k_p_vel),
         "k_p_pos": (0.02 * crossover, 2 * crossover),
@@ -194,15 +194,15 @@ def _default_bounds(task: Task, k_p_vel: float) -> dict[str, Range]:
         "omega": (0.2 * crossover, 20 * crossover),
         "xi": (0.05, 3.0),
         "tau": (half_period, max(10 * half_period, 2 / crossover)),
-        "acceleration_mass": (0.0, 2 * float(task.plants.mass.max())),
+        "acceleration_mass": (0.0, 2 * float(model.plants.mass.max())),
         "reference_lag": (0.0, _LONGEST_LAG),
         "velocity_reference_lag": (0.0, _LONGEST_LAG),
     }
 
 
-def _stated(task: Task) -> dict[str, Range]:
+def _stated(model: LinearModel) -> dict[str, Range]:
     """Return the study's bounds; logarithmic scales start just above 0."""
-    stated = task.requirements.bounds
+    stated = model.requirements.bounds
     found = {}
     for name in type(stated).model_fields:
         pair = getattr(stated, name)

@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.params.controller import Feedforward
     from mptune.params.pack import LoopGains
-    from mptune.robust.model import Task
+    from mptune.robust.model import LinearModel
     from mptune.tune.space import Space
 
 _TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved
@@ -24,19 +24,21 @@ _SCATTERED, _SCATTER = 8, 0.8  # random starts where it is free, and how far off
 _SMALLER = (0.5, 0.25)  # of the position gains, tried where no convex start is known
 
 
-def first_points(task: Task, space: Space, gains: LoopGains, kind: str) -> Iterator[FloatArray]:
+def first_points(
+    model: LinearModel, space: Space, gains: LoopGains, kind: str
+) -> Iterator[FloatArray]:
     """Yield points to polish, each found only when it is asked for.
 
     Parameters
     ----------
-    task, space
-        The task and what is free in it.
+    model, space
+        The study's linear model, and what is free.
     gains
         The study's own gains, with the velocity gain to start from.
     kind
         The objective that weighs most.
     """
-    own = Choice(gains, _matched_feedforward(task, space))
+    own = Choice(gains, _matched_feedforward(model, space))
     yield space.point(own)
     if space.structure != "eq22":
         for share in _SMALLER:
@@ -46,7 +48,7 @@ def first_points(task: Task, space: Space, gains: LoopGains, kind: str) -> Itera
     low, high = np.log(limits["tau"])
     for part in _VELOCITY_SHARES if space.crowded else (1.0,):
         start = gains._replace(k_p_vel=part * gains.k_p_vel)
-        core = Core(task, start, task.corners(), limits)
+        core = Core(model, start, model.corners(), limits)
         for share in _TAU_SHARES[: 1 if low == high else None]:
             _, found = core.shaped(float(np.exp(low + share * (high - low))), kind)
             yield space.point(own._replace(gains=found))
@@ -62,18 +64,18 @@ def _scattered(space: Space, centre: FloatArray) -> Iterator[FloatArray]:
     yield from np.clip(centre + _SCATTER * (2 * shares - 1), space.low, space.high)
 
 
-def _matched_feedforward(task: Task, space: Space) -> Feedforward:
+def _matched_feedforward(model: LinearModel, space: Space) -> Feedforward:
     """Return the study's feed-forward, what is free of it matched to the machine.
 
     The reference is as late as the measured position, and the mass in the middle.
     """
     matched = {
-        "acceleration_mass": float(np.sqrt(task.plants.mass.min() * task.plants.mass.max())),
-        "reference_lag": task.filters.filter_time,
+        "acceleration_mass": float(np.sqrt(model.plants.mass.min() * model.plants.mass.max())),
+        "reference_lag": model.filters.filter_time,
         "velocity_reference_lag": 0.0,
     }
     free = {name: matched[name] for name in space.names if name in matched}
-    return task.study.study.feedforward.model_copy(update=free)
+    return model.study.study.feedforward.model_copy(update=free)
 
 
 def _scaled(space: Space, choice: Choice, share: float) -> FloatArray:

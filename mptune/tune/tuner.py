@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.params.controller import Gains
-from mptune.robust.model import Task
+from mptune.progress import silent
+from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
 from mptune.tune.objective import Judge
@@ -17,11 +18,10 @@ from mptune.tune.space import Choice
 from mptune.tune.velocity import largest_velocity_gain
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from mptune.params.pack import LoopGains
     from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.robust.result import SweepResult
     from mptune.tune.objective import Figures
     from mptune.tune.velocity import VelocityGain
@@ -39,7 +39,7 @@ _REMEDIES = {  # where the figure itself is not what stands in the way
 
 def tune(
     study: ResolvedStudy,
-    progress: Callable[[float], None] = lambda _share: None,
+    progress: Progress = silent,
     *,
     structure: str = "eq22",
     extra: dict[str, Range] | None = None,
@@ -51,7 +51,7 @@ def tune(
     study
         The study; its own gains are the starting point.
     progress
-        Called with the share of the work that is done.
+        Told of the stage ``"tune"``.
     structure
         Structure of the position controller, see ``mptune.tune.space``.
     extra
@@ -65,20 +65,13 @@ class Tuner:
     """One study's tuning: what every structure and every bound shares is computed once."""
 
     def __init__(self, study: ResolvedStudy) -> None:
-        self._study, self._task = study, Task.of(study)
-        task, bounds = self._task, study.study.requirements.bounds
-        self._own = Choice(task.start, study.study.feedforward)
-        self._judge = Judge(task, self._own)
+        self._study, self._model = study, LinearModel.of(study)
+        model, bounds = self._model, study.study.requirements.bounds
+        self._own = Choice(model.gains, study.study.feedforward)
+        self._judge = Judge(model, self._own)
         self._before = self._judge.figures(self._own)
         self._velocity = largest_velocity_gain(
-            task.plants,
-            task.nominal,
-            task.share_a,
-            task.start,
-            task.path,
-            task.requirements.velocity_ratio,
-            bounds.k_p_vel[1] if bounds.k_p_vel else np.inf,
-            task.members,
+            model, bounds.k_p_vel[1] if bounds.k_p_vel else np.inf
         )
         self._least = bounds.k_p_vel[0] if bounds.k_p_vel else 0.0
 
@@ -100,14 +93,14 @@ class Tuner:
         self,
         structure: str = "eq22",
         extra: dict[str, Range] | None = None,
-        progress: Callable[[float], None] = lambda _share: None,
+        progress: Progress = silent,
     ) -> TuneResult:
         """Return the tuned gains of one structure, with the whole family's verdict."""
         if self.blocked:
-            why = _velocity_blocking(self._task, self._velocity)
-            return self._result(structure, nothing(self._own), sweep(self._study), why)
+            why = _velocity_blocking(self._model, self._velocity)
+            return self._result(structure, nothing(self._own), sweep(self._model), why)
         search, found = self.searched(structure, extra, None, progress)
-        judged = sweep(self._study, _gains(found.choice.gains))
+        judged = sweep(self._model, _gains(found.choice.gains))
         blocking: Blocking | None = None
         if not found.feasible:
             blocking = self._search_blocking(search, found)
@@ -120,11 +113,11 @@ class Tuner:
         structure: str = "eq22",
         extra: dict[str, Range] | None = None,
         first: Choice | None = None,
-        progress: Callable[[float], None] = lambda _share: None,
+        progress: Progress = silent,
     ) -> tuple[GainSearch, Searched]:
         """Return a search and its outcome, without the whole family's verdict."""
         k_p_vel = self._velocity.k_p_vel
-        search = GainSearch(self._task, self._judge, self._before, k_p_vel, structure, extra)
+        search = GainSearch(self._model, self._judge, self._before, k_p_vel, structure, extra)
         return search, search.run(first, progress)
 
     def _result(
@@ -160,7 +153,7 @@ class Tuner:
         if own is not None and np.isfinite(own.factor):
             remedy += f"; with the others kept it would have to give by a factor {own.factor:.3g}"
         return Blocking(
-            worst.requirement, float(np.exp(worst.excess)), worst.at(self._task), remedy, reliefs
+            worst.requirement, float(np.exp(worst.excess)), worst.at(self._model), remedy, reliefs
         )
 
 
@@ -168,8 +161,8 @@ def _gains(packed: LoopGains) -> Gains:
     return Gains.model_validate(packed._asdict(), context={"si": True})
 
 
-def _velocity_blocking(task: Task, velocity: VelocityGain) -> Blocking:
-    at = task.point(velocity.plant, velocity.frequency)
+def _velocity_blocking(model: LinearModel, velocity: VelocityGain) -> Blocking:
+    at = model.point(velocity.plant, velocity.frequency)
     if velocity.k_p_vel > 0:
         return Blocking(
             "velocity_ratio",
@@ -178,7 +171,7 @@ def _velocity_blocking(task: Task, velocity: VelocityGain) -> Blocking:
             f"Eq. 17 allows a velocity gain up to {velocity.k_p_vel:.4g} N s/m, below the study's "
             "bound; allow more of the ratio or lower the bound",
         )
-    least = abs(task.nominal.mass / at.mass_kg - 1)
+    least = abs(model.nominal.mass / at.mass_kg - 1)
     return Blocking(
         requirement="velocity_ratio",
         least_found=least,

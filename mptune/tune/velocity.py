@@ -9,16 +9,14 @@ import numpy as np
 
 from mptune.loops.broken import velocity_path
 from mptune.loops.velocity import nominal_velocity
-from mptune.robust.condition import sides
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.sweep import CONVERGED
 from mptune.robust.verdict import allowed_ratio
 
 if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray
-    from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
-    from mptune.params.requirements import RatioCurve
-    from mptune.robust.measured import Members
+    from mptune.params.pack import MeasurementPath, NominalPlant
+    from mptune.robust.model import LinearModel
 
 _ROUNDS = 6  # of refinement about the limiting frequency, a factor of four each
 
@@ -45,16 +43,7 @@ class VelocityGain:
     plant: int
 
 
-def largest_velocity_gain(
-    plants: Plants,
-    nominal: NominalPlant,
-    share_a: float,
-    start: LoopGains,
-    path: MeasurementPath,
-    limit: float | RatioCurve,
-    upper: float = np.inf,
-    members: Members | None = None,
-) -> VelocityGain:
+def largest_velocity_gain(model: LinearModel, upper: float = np.inf) -> VelocityGain:
     """Return the largest K_P,vel up to which every gain meets Eq. 17's requirement.
 
     With z = 1/K_P,vel and g the inverse of the nominal plant, the requirement at one frequency,
@@ -63,25 +52,20 @@ def largest_velocity_gain(
 
     Parameters
     ----------
-    plants, nominal, share_a, path
-        The family, the nominal plant, A_A/(A_A + A_B) and the measurement path.
-    start
-        Gains from which the range of frequencies is chosen.
-    limit
-        The largest allowed ratio.
-    members
-        Measured responses of the family.
+    model
+        The study's linear model; the range of frequencies is chosen from its own gains.
     upper
         Upper bound of the gain [N s/m]. About half the gain at which the nominal loop turns
         unstable bounds it too, so that a family without uncertainty has an answer.
     """
-    omega = first_grid(*frequency_range(plants, nominal, start))
-    at_rest = np.abs(nominal.mass / plants.mass - 1)  # |Δ_vel| as ω → 0, whatever the gain
+    nominal, path, limit = model.nominal, model.path, model.requirements.velocity_ratio
+    omega = first_grid(*frequency_range(model.plants, nominal, model.gains))
+    at_rest = np.abs(nominal.mass / model.plants.mass - 1)  # |Δ_vel| as ω → 0, whatever the gain
     if at_rest.max() >= allowed_ratio(limit, omega[:1])[0]:
         return VelocityGain(0.0, "velocity_ratio", 0.0, int(np.argmax(at_rest)))
     smallest, frequency, plant = 0.0, 0.0, 0
     for _ in range(_ROUNDS):
-        found = sides(omega, plants, nominal, share_a, start, path, members)
+        found = model.sides(omega, model.gains)
         need = found.left[0] / (allowed_ratio(limit, omega) * (1 - CONVERGED))
         root = _larger_root(_inverse_plant(omega, nominal, path), need)
         worst = int(np.argmax(root))
@@ -101,10 +85,7 @@ def largest_velocity_gain(
 
 def _inverse_plant(omega: FloatArray, nominal: NominalPlant, path: MeasurementPath) -> ComplexArray:
     """Return 1/(G_N,vel H) at jω, ``(F,)``: the velocity loop gain is K_P,vel over this."""
-    gain = [
-        nominal_velocity(s, nominal.mass, nominal.delay) * velocity_path(s, path)
-        for s in 1j * omega
-    ]
+    gain = [nominal_velocity(s, nominal) * velocity_path(s, path) for s in 1j * omega]
     return 1 / np.array(gain, np.complex128)
 
 

@@ -6,14 +6,14 @@ from typing import TYPE_CHECKING
 
 from joblib import Parallel, delayed
 
+from mptune.progress import silent
 from mptune.robust.chain import Link, gain_limit
 from mptune.verify.verify import cases_of, run_case
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
 
 MACHINE = "nonlinear machine"
 _SETS = 3  # per machine; the first one is not judged
@@ -25,7 +25,7 @@ def machine_gain_limit(
     study: ResolvedStudy,
     gains: Gains,
     feedforward: Feedforward,
-    progress: Callable[[float], None] = lambda _share: None,
+    progress: Progress = silent,
 ) -> Link:
     """Return the largest factor on K_P,vel with which every machine still verifies as stable.
 
@@ -43,7 +43,7 @@ def machine_gain_limit(
     def holds(factor: float) -> bool:
         nonlocal trials
         trials += 1
-        progress(min(trials / _TRIALS, 1.0))
+        progress("chain", min(trials / _TRIALS, 1.0))
         scaled = gains.model_copy(update={"k_p_vel": factor * gains.k_p_vel})
         jobs = (delayed(run_case)(short, case, scaled, feedforward) for case in cases)
         return all(one.stable for one in Parallel(n_jobs=-1, prefer="threads")(jobs))

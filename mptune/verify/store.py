@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.files import write_whole_with
+from mptune.datasets import write_dataset
 from mptune.params.gains import version
 from mptune.sim import closed_loop as loop
 
@@ -75,5 +75,4 @@ def write_traces(path: Path, result: VerifyResult) -> Path:
     OutputError
         If the file cannot be written.
     """
-    dataset = to_dataset(result)
-    return write_whole_with(path, lambda beside: dataset.to_netcdf(beside, engine="h5netcdf"))
+    return write_dataset(path, to_dataset(result))

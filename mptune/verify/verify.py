@@ -23,6 +23,7 @@ from mptune.plant import machine as plant
 from mptune.plant.piston import burden_at
 from mptune.plant.supplies import oil_at_pressure
 from mptune.plant.valve import shut_valves
+from mptune.progress import silent
 from mptune.signals.outer_loop import INTEGRAL, OUTER_STATES, REFERENCE
 from mptune.sim import closed_loop as loop
 from mptune.sim.moves import moves_of
@@ -30,8 +31,6 @@ from mptune.verify.figures import LIMIT_CYCLE_SWINGS, first_broken_limit, set_fi
 from mptune.verify.result import CaseResult, CaseStatus, SetFigures, VerifyResult
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from mptune.arrays import FloatArray
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.pack import (
@@ -43,6 +42,7 @@ if TYPE_CHECKING:
     )
     from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
     from mptune.sim.moves import Moves
 
 _START_PRESSURE_B = 6e6  # Pa; p_A follows from the balance of forces
@@ -70,7 +70,7 @@ def verify(
     study: ResolvedStudy,
     gains: Gains | None = None,
     feedforward: Feedforward | None = None,
-    progress: Callable[[float], None] = lambda _share: None,
+    progress: Progress = silent,
 ) -> VerifyResult:
     """Run the study's moves on each of its machines with the nonlinear simulator.
 
@@ -81,7 +81,7 @@ def verify(
     gains, feedforward
         What the controller uses; the study's own where None.
     progress
-        Called with the share of the cases that is done.
+        Told of the stage ``"verify"``.
 
     Raises
     ------
@@ -99,7 +99,7 @@ def verify(
     results = []
     for result in Parallel(n_jobs=-1, prefer="threads", return_as="generator")(jobs):
         results.append(result)
-        progress(len(results) / len(cases))
+        progress("verify", len(results) / len(cases))
     return VerifyResult(study, gains, tuple(results))
 
 

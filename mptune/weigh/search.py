@@ -13,14 +13,16 @@ from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError, OutputError
 from mptune.params.gains import version
+from mptune.progress import silent
 from mptune.weigh.trial import LIMITS, OBJECTIVES, Trial, Weights
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     import optuna
     from optuna.trial import FrozenTrial
 
+    from mptune.progress import Progress
     from mptune.weigh.trial import Bench, Limits
 
 SAMPLERS = ("tpe", "nsga2")
@@ -108,7 +110,7 @@ class WeightSearch:
         trials: int,
         first: Sequence[Weights],
         limits: Limits,
-        progress: Callable[[int, int], None] = lambda _done, _trials: None,
+        progress: Progress = silent,
     ) -> tuple[Trial, ...]:
         """Go on until the database holds so many trials, and return them all.
 
@@ -121,7 +123,7 @@ class WeightSearch:
         limits
             What a usable trial keeps.
         progress
-            Called with the trials done and wanted.
+            Told of the stage ``"search, … trials"``.
 
         Raises
         ------
@@ -143,7 +145,7 @@ class WeightSearch:
         trials: int,
         first: Sequence[Weights],
         limits: Limits,
-        progress: Callable[[int, int], None],
+        progress: Progress,
     ) -> tuple[Trial, ...]:
         from optuna.trial import TrialState
 
@@ -151,7 +153,7 @@ class WeightSearch:
             self._study.tell(cut_off.number, state=TrialState.FAIL)
         finished = self._finished()
         while len(finished) < trials:
-            progress(len(finished), trials)
+            progress(f"search, {trials} trials", len(finished) / trials)
             self._study.sampler = self._sampler_for(len(finished))
             if len(finished) < len(first):
                 self._study.enqueue_trial(self._named(first[len(finished)]), skip_if_exists=True)
@@ -166,7 +168,7 @@ class WeightSearch:
             asked.set_user_attr("unstable", trial.unstable)
             self._study.tell(asked, list(trial.objectives))
             finished = self._finished()
-        progress(trials, trials)
+        progress(f"search, {trials} trials", 1.0)
         return tuple(_trial_of(one) for one in finished)
 
     def _finished(self) -> list[FrozenTrial]:

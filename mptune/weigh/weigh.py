@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mptune.progress import silent
 from mptune.weigh.procedure import STEPS, by_the_papers_order
 from mptune.weigh.recommend import FINALISTS, front, recommended
 from mptune.weigh.result import WeightsResult
@@ -11,10 +12,11 @@ from mptune.weigh.search import open_search
 from mptune.weigh.trial import Bench, limits_of, own_weights
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from mptune.campaign.workers import Workers
     from mptune.params.study import ResolvedStudy
+    from mptune.progress import Progress
 
 SEARCH_SEEDS, SECOND_SEEDS = (1, 2), (11, 12, 13, 14)  # of the search, of the recommendation
 
@@ -29,7 +31,7 @@ def search_weights(
     seed: int = 1,
     also: Sequence[str] = (),
     sets: int = 3,
-    progress: Callable[[str, float], None] = lambda *_: None,
+    progress: Progress = silent,
 ) -> WeightsResult:
     """Find weights for a study's force controller.
 
@@ -66,7 +68,7 @@ def search_weights(
         trials,
         (own.weights, by_order),
         limits,
-        lambda done, wanted: progress(f"search, {wanted} trials", done / wanted),
+        progress,
     )
     best = front(tried, limits)
     again = "the best again, with other random numbers"

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from mptune.params.pack import Plant
 from mptune.sim.lag import (
     Cubic,
     fade_of,
@@ -14,7 +15,7 @@ from mptune.sim.lag import (
     lagged,
     value_and_slope,
 )
-from mptune.sim.linear_machine import LinearMachine, move_on, push, stride_of
+from mptune.sim.linear_machine import move_on, push, stride_of
 
 WANTED, STEP = Cubic(2.0, -30.0, 4e3, -5e5), 0.008
 
@@ -52,13 +53,13 @@ def test_the_cubic_through_two_points_has_their_values_and_slopes():
 
 
 def test_a_machine_moves_the_same_under_a_held_force_by_either_way():
-    machine = LinearMachine(24500.0, 0.0, 0.011, 0.004, 4 / 7)
-    by, state = stride_of(machine, STEP), np.array([3e3, -2e3, 0.1, 0.15])
-    pushed = push(machine, 3e3, -2e3, Cubic(8e3, 0.0, 0.0, 0.0), by)
+    plant = Plant(24500.0, 0.0, 0.011, 0.004, 4 / 7)
+    by, state = stride_of(plant, STEP), np.array([3e3, -2e3, 0.1, 0.15])
+    pushed = push(plant, 3e3, -2e3, Cubic(8e3, 0.0, 0.0, 0.0), by)
     assert pushed.start == pytest.approx(4 / 7 * 3e3 - 3 / 7 * 2e3)
-    move_on(state, machine, 8e3, by)
-    velocity = 0.1 + pushed.once / machine.mass
-    position = 0.15 + 0.1 * STEP + pushed.twice / machine.mass
+    move_on(state, plant, 8e3, by)
+    velocity = 0.1 + pushed.once / plant.mass
+    position = 0.15 + 0.1 * STEP + pushed.twice / plant.mass
     np.testing.assert_allclose(
         state, [pushed.side_a, pushed.side_b, velocity, position], rtol=1e-13
     )
