@@ -10,7 +10,7 @@ from mptune.errors import Fault, InputError
 from mptune.export.as_written import rounded_section, written_gains
 from mptune.export.c_source import c_sources
 from mptune.export.constants import controller_numbers
-from mptune.export.controller import Controller
+from mptune.export.controller import TargetController
 from mptune.export.formats import Format, Precision
 from mptune.export.margins import written_margins
 from mptune.export.table import as_json, as_toml
@@ -39,7 +39,7 @@ class ExportResult:
         What was written; nothing where writing breaks a requirement that held before.
     """
 
-    controller: Controller
+    controller: TargetController
     files: tuple[Path, ...]
 
     @property
@@ -151,16 +151,16 @@ def find_study(gains: Path, name: str) -> Path:
 
 def prepare(
     study: ResolvedStudy, source: GainsFile, precision: Precision, digits: int | None = None
-) -> Controller:
+) -> TargetController:
     """Return the controller as it will be written, its margins computed for those very numbers."""
     gains = rounded_section(source.gains, digits)
     feedforward = rounded_section(source.feedforward, digits)
     numbers = controller_numbers(study, gains, feedforward, precision)
     margins = written_margins(study, source.gains, written_gains(numbers, gains))
-    return Controller(study, source, gains, feedforward, numbers, margins, now())
+    return TargetController(study, source, gains, feedforward, numbers, margins, now())
 
 
-def _write(controller: Controller, to: Format, folder: Path) -> tuple[Path, ...]:
+def _write(controller: TargetController, to: Format, folder: Path) -> tuple[Path, ...]:
     if to is Format.FMU:
         from mptune.export.fmu import write_units
 
