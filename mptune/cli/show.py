@@ -137,7 +137,7 @@ def requirements(checks: Iterable[Check]) -> None:
     for check in checks:
         good = check.status is Status.SATISFIED
         table.add_row(
-            check.name,
+            check.label,
             check.limit,
             number(check.found),
             verdict(check.status.value, good=good),

@@ -55,7 +55,7 @@ class ExportResult:
             "margins": one.verdict,
             "closed_loop": one.source.closed_loop,
             "requirements": one.verdicts(),
-            "broken_by_writing": [check.name for check in one.margins.broken],
+            "broken_by_writing": [check.label for check in one.margins.broken],
             "gains": one.gains.model_dump(),
             "gains_swept": one.margins.written.gains.model_dump(),
             "feedforward": one.feedforward.model_dump(),

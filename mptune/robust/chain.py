@@ -25,7 +25,8 @@ if TYPE_CHECKING:
     from typing import Any
 
     from mptune.arrays import BoolArray
-    from mptune.robust.result import Family, SweepResult
+    from mptune.robust.family import Family
+    from mptune.robust.result import SweepResult
 
 LARGEST, SMALLEST = 64.0, 1 / 64.0  # factors beyond which nothing is searched
 _STEPS = 30  # of a bisection

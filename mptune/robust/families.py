@@ -11,7 +11,7 @@ from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.sampled import stable_as_sampled
 from mptune.loops.stability import PoleCount, count_unstable_poles
 from mptune.robust.margins import Margins, family_margins, sampled_margins
-from mptune.robust.result import Family
+from mptune.robust.family import Family
 
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, IntArray
