@@ -126,15 +126,17 @@ def transfer_function(
 ) -> TransferFunction:
     """Return python-control's object of a fraction, falling powers of s, or of z at ``period`` [s].
 
-    A fraction has no room for dead time.
+    A fraction has no room for dead time. Powers of s that both sides have in common are cancelled.
 
     Raises
     ------
     InputError
         If python-control is not installed.
     """
-    dt = 0 if period is None else period
-    found: TransferFunction = _control().tf(list(numerator), list(denominator), dt=dt, name=name)
+    above, below, dt = list(numerator), list(denominator), 0 if period is None else period
+    while len(above) > 1 and above[-1] == 0 and below[-1] == 0:
+        del above[-1], below[-1]
+    found: TransferFunction = _control().tf(above, below, dt=dt, name=name)
     return found
 
 

@@ -6,12 +6,16 @@ import math
 from typing import Any
 
 
-def strict(value: Any) -> Any:
-    """Return dictionaries, lists and numbers as strict JSON holds them, None where not finite."""
+def strict(values: dict[str, Any]) -> dict[str, Any]:
+    """Return values as strict JSON holds them: tuples as lists, None for what is not finite."""
+    return {key: _sayable(value) for key, value in values.items()}
+
+
+def _sayable(value: Any) -> Any:
     if isinstance(value, dict):
-        return {key: strict(item) for key, item in value.items()}
+        return strict(value)
     if isinstance(value, list | tuple):
-        return [strict(item) for item in value]
+        return [_sayable(item) for item in value]
     if isinstance(value, float) and not math.isfinite(value):
         return None
     return value

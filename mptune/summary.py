@@ -10,6 +10,7 @@ from __future__ import annotations
 import dataclasses
 import html
 from collections.abc import Mapping
+from pathlib import PurePath
 from typing import Any
 
 import numpy as np
@@ -98,20 +99,30 @@ def _listed(values: list[Any]) -> list[str]:
 
 def _brief(value: Any) -> str:
     """Return any value in one line."""
-    if _is_plain(value):
-        return _plain(value)
     if isinstance(value, Summarised):
         return value.headline
+    if _is_plain(value):
+        return _plain(value)
     if isinstance(value, np.ndarray):
         return _array(value)
     if isinstance(value, Mapping):
         return ", ".join(f"{name} {_brief(item)}" for name, item in value.items()) or "none"
-    names = _names(value)
-    if names and all(_is_plain(getattr(value, name)) for name in names):
-        return ", ".join(f"{name} {_plain(getattr(value, name))}" for name in names)
-    if isinstance(value, tuple | list):
-        return f"{len(value)} × {type(value[0]).__name__}" if value else "none"
-    return getattr(value, "__name__", None) or type(value).__name__
+    return _of_parts(value)
+
+
+def _of_parts(value: Any) -> str:
+    """Return a small object by its fields, anything else by its kind."""
+    fields = {name: getattr(value, name) for name in _names(value)}
+    kind = getattr(value, "__name__", None) or type(value).__name__
+    if fields and all(_is_plain(field) for field in fields.values()):
+        return ", ".join(f"{name} {_plain(field)}" for name, field in fields.items())
+    if fields and all(isinstance(field, np.ndarray) for field in fields.values()):
+        return f"{kind}, {next(iter(fields.values())).shape} each"
+    return (
+        f"{len(value)} × {type(value[0]).__name__}"
+        if isinstance(value, tuple) and value
+        else str(kind)
+    )
 
 
 def _array(values: np.ndarray[Any, Any]) -> str:
@@ -129,11 +140,7 @@ def _array(values: np.ndarray[Any, Any]) -> str:
 
 
 def _is_plain(value: Any) -> bool:
-    return value is None or isinstance(value, str | int | float | complex) or _is_path(value)
-
-
-def _is_path(value: Any) -> bool:
-    return hasattr(value, "__fspath__")
+    return value is None or isinstance(value, str | int | float | complex | PurePath)
 
 
 def _plain(value: Any) -> str:

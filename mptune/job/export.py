@@ -65,11 +65,11 @@ class ExportResult:
 
 
 def export(
-    gains: Path,
+    gains: str | Path,
     to: Format,
-    out: Path,
+    out: str | Path,
     *,
-    study: Path | None = None,
+    study: str | Path | None = None,
     overrides: Sequence[str] = (),
     precision: Precision = Precision.DOUBLE,
     digits: int | None = None,
@@ -121,11 +121,11 @@ def export(
         )
         raise InputError(gains, fault)
     progress(to, 0.0)
-    folder = make_folder(out / loaded.name)
+    folder = make_folder(Path(out) / loaded.name)
     return ExportResult(controller, _write(controller, to, folder))
 
 
-def find_study(gains: Path, name: str) -> Path:
+def find_study(gains: str | Path, name: str) -> Path:
     """Return the study file of a gains file: beside it, or under ``studies`` here or above.
 
     Raises
@@ -133,7 +133,7 @@ def find_study(gains: Path, name: str) -> Path:
     InputError
         If there is none.
     """
-    beside = gains.resolve().parent
+    beside = Path(gains).resolve().parent
     places = [beside / "study.toml"]
     for start in (beside, Path.cwd()):
         places += [folder / "studies" / name / "study.toml" for folder in (start, *start.parents)]

@@ -23,6 +23,7 @@ from mptune.loops.velocity import plant_at
 from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.plant.bulk import effective_bulk_modulus
 from mptune.signals.conditioning import filter_response
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from mptune.params.section import Range
@@ -83,8 +84,8 @@ def nominal_plants(nominal: NominalPlant) -> Plants:
     return Plants(np.array([nominal.mass]), np.array([nominal.delay]), zero, zero, zero + 0.5)
 
 
-@dataclass(frozen=True)
-class FamilyLoops:
+@dataclass(frozen=True, repr=False)
+class FamilyLoops(Summarised):
     """The loops of a family under one set of gains, broken at one place for the pole count.
 
     Attributes

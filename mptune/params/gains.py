@@ -10,7 +10,8 @@ import datetime as dt
 import hashlib
 import importlib.metadata
 import json
-from typing import TYPE_CHECKING, Any, Literal
+from pathlib import Path
+from typing import Any, Literal
 
 import tomlkit
 from pydantic import Field, ValidationError
@@ -20,9 +21,7 @@ from mptune.files import read_text, write_whole
 from mptune.params.controller import Feedforward, Gains
 from mptune.params.load import faults_of, parse_toml
 from mptune.params.section import Section
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from mptune.summary import Summarised
 
 Verdict = Literal["satisfied", "violated", "not run"]
 
@@ -32,7 +31,7 @@ def version() -> str:
     return importlib.metadata.version("mptune")
 
 
-class GainsFile(Section):
+class GainsFile(Summarised, Section):
     """What a gains file says."""
 
     study: str = Field(description="name of the study")
@@ -46,6 +45,11 @@ class GainsFile(Section):
     feedforward: Feedforward
     figures: dict[str, dict[str, Any]]
 
+    @property
+    def headline(self) -> str:
+        """Study and verdicts."""
+        return f"Gains of {self.study}: margins {self.margins}, closed loop {self.closed_loop}"
+
     def content_hash(self) -> str:
         """Return the hash of all that the file says; it stands in the file as well."""
         values = json.dumps(self.model_dump(), sort_keys=True)
@@ -57,7 +61,7 @@ def now() -> str:
     return dt.datetime.now(dt.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def write_gains(path: Path, gains: GainsFile) -> Path:
+def write_gains(path: str | Path, gains: GainsFile) -> Path:
     """Write a gains file, whole or not at all.
 
     Raises
@@ -84,7 +88,7 @@ def write_gains(path: Path, gains: GainsFile) -> Path:
     return write_whole(path, tomlkit.dumps(document))
 
 
-def read_gains(path: Path, study_hash: str = "") -> GainsFile:
+def read_gains(path: str | Path, study_hash: str = "") -> GainsFile:
     """Read a gains file.
 
     Parameters
@@ -99,6 +103,7 @@ def read_gains(path: Path, study_hash: str = "") -> GainsFile:
     InputError
         If the file cannot be read, breaks a rule, was edited, or belongs to another study.
     """
+    path = Path(path)
     values = parse_toml(path, read_text(path))
     stated = values.pop("content_hash", "")
     try:
@@ -124,7 +129,7 @@ def read_gains(path: Path, study_hash: str = "") -> GainsFile:
     return gains
 
 
-def accepted_gains(path: Path, study_hash: str, *, force: bool = False) -> GainsFile:
+def accepted_gains(path: str | Path, study_hash: str, *, force: bool = False) -> GainsFile:
     """Read a gains file as a controller does: with satisfied margins, or on insistence.
 
     Raises

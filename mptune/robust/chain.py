@@ -19,6 +19,7 @@ from mptune.robust.condition import sides
 from mptune.robust.families import stable_plants
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.place import PlantPoint, finite, plant_point
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -35,7 +36,7 @@ _DENSE = 3  # first grids laid into one another: the search does not refine
 
 
 @dataclass(frozen=True)
-class Link:
+class Link(Summarised):
     """One model's answer.
 
     Attributes
@@ -52,6 +53,11 @@ class Link:
     name: str
     factor: float
     at: PlantPoint | None
+
+    @property
+    def headline(self) -> str:
+        """The model and its factor."""
+        return f"{self.name}: {factor_text(self.factor)}"
 
     def json(self) -> dict[str, Any]:
         """Return the link, as JSON has it."""

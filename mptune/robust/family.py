@@ -140,5 +140,8 @@ class Family(Summarised):
                 if sampled and figure.name == "delay_margin":
                     continue
                 value, at = self.worst(figure.name, loop)
-                values[name][figure.key] = {"worst": finite(value), "at": at.values() if at else None}
+                values[name][figure.key] = {
+                    "worst": finite(value),
+                    "at": at.values() if at else None,
+                }
         return values

@@ -22,6 +22,7 @@ from mptune.loops.sampled import (
 )
 from mptune.loops.velocity import plant_at
 from mptune.params.pack import Plant
+from mptune.summary import tuple_text
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
@@ -70,6 +71,10 @@ class Margins(NamedTuple):
     delay_frequency: FloatArray
     disk_margin: FloatArray  # α = 1/max |(S − T)/2|, symmetric disk
     disk_frequency: FloatArray
+
+    def __repr__(self) -> str:
+        """Return shape and range of each field."""
+        return tuple_text(self)
 
 
 def family_margins(omega: FloatArray, loops: FamilyLoops) -> Margins:

@@ -25,9 +25,9 @@ from mptune.params.pack import (
 )
 from mptune.robust.at_plant import loop_around_measured, loop_as_it_runs
 from mptune.robust.condition import Sides, nominal_loops, sides
-from mptune.robust.measured import Members, members_of, whole_family
 from mptune.robust.curves import loop_curves
 from mptune.robust.grid import first_grid, frequency_range
+from mptune.robust.measured import Members, members_of, whole_family
 from mptune.robust.place import PlantPoint, plant_point
 from mptune.summary import Summarised
 

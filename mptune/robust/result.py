@@ -85,7 +85,9 @@ class Condition(Summarised):
     @property
     def headline(self) -> str:
         """Worst ratio, where it is, and the status."""
-        return f"{self.name}: worst ratio {self.worst_ratio:.4g} at {self.at.headline}: {self.status}"
+        return (
+            f"{self.name}: worst ratio {self.worst_ratio:.4g} at {self.at.headline}: {self.status}"
+        )
 
     @property
     def ratio(self) -> FloatArray:
@@ -233,7 +235,9 @@ class SweepResult(Summarised, Drawn, Labelled):
         rule, remedy = "is no measurement path", f"one of {', '.join(found)}"
         if path == "sampled":
             least, half = self.plants.delay.min(), self.model.period / 2
-            rule = f"has no hold to run with: the least total delay, {least:g} s, is below {half:g} s"
+            rule = (
+                f"has no hold to run with: the least total delay, {least:g} s, is below {half:g} s"
+            )
             remedy = f"raise uncertainty.delay, which holds half a sampling period, or ask {remedy}"
         raise InputError(f"sweep of {self.study.name}", Fault("path", repr(path), rule, remedy))
 

@@ -9,11 +9,12 @@ so cancels; dead zone and stop logic, which are not linear, are left out.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from mptune.arrays import FloatArray, frozen, kernel
+from mptune.interop import Drawn
 from mptune.loops.family import time_constants_at
 from mptune.params.pack import (
     FeedforwardTuple,
@@ -26,8 +27,14 @@ from mptune.params.pack import (
 from mptune.signals.trajectory import reference
 from mptune.signals.tustin import discretise
 from mptune.sim.moves import moves_of
+from mptune.strict import strict
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import pandas as pd
+
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.study import ResolvedStudy
 
@@ -44,8 +51,8 @@ class SampledPlant(NamedTuple):
     share_a: float  # -
 
 
-@dataclass(frozen=True)
-class LinearMove:
+@dataclass(frozen=True, repr=False)
+class LinearMove(Summarised, Drawn):
     """One machine's movement set under the sampled linear controller.
 
     Attributes
@@ -60,6 +67,8 @@ class LinearMove:
         ``(T,)`` traces at T_S,fast in SI; ``force`` is F_ref.
     """
 
+    drawings: ClassVar[Mapping[str, str]] = {"moves": "mptune.figures.moves:move_traces"}
+
     mass_kg: float
     valve_delay_s: float
     oil_bulk_modulus_pa: float
@@ -70,6 +79,42 @@ class LinearMove:
     position: FloatArray
     velocity: FloatArray
     force: FloatArray
+
+    @property
+    def headline(self) -> str:
+        """The machine and its index."""
+        index = f"index {self.performance_index_ms:.4g} ms" if self.stable else "not stable"
+        return (
+            f"Linear move of {self.mass_kg / 1e3:g} t, oil {self.oil_bulk_modulus_pa / 1e6:g} MPa, "
+            f"valve delay {1e3 * self.valve_delay_s:g} ms: {index}"
+        )
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        return ((self,),)
+
+    def json(self) -> dict[str, Any]:
+        """Return machine and verdict, traces left out; the index keeps §7's unit."""
+        return strict(
+            {
+                "mass_kg": self.mass_kg,
+                "valve_delay_s": self.valve_delay_s,
+                "oil_bulk_modulus_pa": self.oil_bulk_modulus_pa,
+                "stable": self.stable,
+                "performance_index_ms": self.performance_index_ms,
+            }
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the traces in SI, units in the columns, over time [s]."""
+        import pandas as pd
+
+        columns = {
+            "reference_m": self.reference,
+            "position_m": self.position,
+            "velocity_m_s": self.velocity,
+            "force_n": self.force,
+        }
+        return pd.DataFrame(columns, pd.Index(self.time, name="time_s"))
 
 
 def linear_moves(
