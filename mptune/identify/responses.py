@@ -17,6 +17,11 @@ from mptune.params.measured import read_response_table
 def read_response(path: str | Path) -> FrequencyResponse:
     """Return the frequency response of a CSV file; ``mptune.params.measured`` has its rules.
 
+    Parameters
+    ----------
+    path
+        The file.
+
     Raises
     ------
     InputError
@@ -30,6 +35,13 @@ def read_response(path: str | Path) -> FrequencyResponse:
 
 def write_response(path: str | Path, response: FrequencyResponse) -> Path:
     """Write the valid points of a response as CSV, so that a study's ``measured`` can name it.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    response
+        The response.
 
     Raises
     ------
@@ -47,8 +59,13 @@ def write_response(path: str | Path, response: FrequencyResponse) -> Path:
 def from_frd(frd: Any, name: str = "FRD") -> FrequencyResponse:
     """Return the response of python-control's FRD, or of anything that looks like one.
 
-    It needs ``omega`` (or ``frequency``) [rad/s] and ``complex`` (or ``frdata``, ``fresp``,
-    ``response``): one output, one input.
+    Parameters
+    ----------
+    frd
+        It has ``omega`` (or ``frequency``) [rad/s] and ``complex`` (or ``frdata``, ``fresp``,
+        ``response``): one output, one input.
+    name
+        Where it comes from, in words.
 
     Raises
     ------

@@ -64,6 +64,13 @@ def now() -> str:
 def write_gains(path: str | Path, gains: GainsFile) -> Path:
     """Write a gains file, whole or not at all.
 
+    Parameters
+    ----------
+    path
+        The file to write.
+    gains
+        What it is to say.
+
     Raises
     ------
     OutputError

@@ -102,6 +102,11 @@ def chain(result: SweepResult) -> tuple[Link, ...]:
 
     A finite grid of plants and frequencies can only miss worse ones: every factor errs on the high
     side.
+
+    Parameters
+    ----------
+    result
+        The sweep of the gains asked about.
     """
     links = [_inequalities(result)]
     links += [_family_link(_NAMES[family.path], family, result) for family in result.families]

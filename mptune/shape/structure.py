@@ -139,7 +139,13 @@ def pi() -> Structure:
 
 
 def pid(filter_time: float) -> Structure:
-    """Return C = (k_p + k_i/s + k_d s)/(filter_time s + 1) [filter_time in s]."""
+    """Return C = (k_p + k_i/s + k_d s)/(filter_time s + 1).
+
+    Parameters
+    ----------
+    filter_time
+        The filter's time constant [s].
+    """
 
     def filtered(power: int) -> Callable[[ComplexArray], ComplexArray]:
         return lambda s: np.asarray(s**power / (filter_time * s + 1))
@@ -154,6 +160,11 @@ def position(tau: float) -> Structure:
     """Return Eq. 22 at a fixed τ [s].
 
     C = (x_0 + x_1 s + x_2 s²)/(τs + 1)² + x_3/s with x = (K_P, 2ξK_P/ω, K_P/ω², K_I).
+
+    Parameters
+    ----------
+    tau
+        τ [s].
     """
 
     def shaped(power: int) -> Callable[[ComplexArray], ComplexArray]:

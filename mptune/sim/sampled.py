@@ -123,6 +123,13 @@ def linear_moves(
     """Run the study's movement set on each of its verification machines, linear.
 
     The time constants of pressure follow from Eq. 4 and Eq. 12 at the start position.
+
+    Parameters
+    ----------
+    study
+        The study.
+    gains, feedforward
+        What controls the machines; the study's own where None.
     """
     machine = study.study
     gains = gains or machine.gains

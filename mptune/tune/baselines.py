@@ -83,6 +83,15 @@ def baselines(
     """Return the study's own gains, P, PI and PID tuned alike, and the tuned gains.
 
     Bounds of gains that a structure does not have are not asked of it.
+
+    Parameters
+    ----------
+    study
+        The study.
+    tuned
+        Its tuning, which the others stand beside.
+    progress
+        Told of the stage ``"compare"``.
     """
     own = Baseline("own", None, tuned.before, tuned.figures_before, sweep(study))
     rows, tuner = [own], Tuner(study)

@@ -84,6 +84,15 @@ def front(
     allow; below the first, both figures would be worse. Each is a local optimum, started from its
     neighbour. Points that no search could make meet the requirements are left out; all of them
     where no velocity gain meets Eq. 17's.
+
+    Parameters
+    ----------
+    study
+        The study; its own objective is not used.
+    count
+        Number of integral gains.
+    progress
+        Told of the stage ``"front"``.
     """
     tracking = _for(study, "tracking")
     tuner = Tuner(tracking)
