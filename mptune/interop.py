@@ -113,7 +113,7 @@ def frequency_response(
         If python-control is not installed.
     """
     found: FrequencyResponseData = _control().frd(
-        np.asarray(response), np.asarray(omega), dt=0 if period is None else period, name=name
+        np.asarray(response), np.asarray(omega), dt=_step(period), name=_name(name)
     )
     return found
 
@@ -133,11 +133,19 @@ def transfer_function(
     InputError
         If python-control is not installed.
     """
-    above, below, dt = list(numerator), list(denominator), 0 if period is None else period
+    above, below = list(numerator), list(denominator)
     while len(above) > 1 and above[-1] == 0 and below[-1] == 0:
         del above[-1], below[-1]
-    found: TransferFunction = _control().tf(above, below, dt=dt, name=name)
+    found: TransferFunction = _control().tf(above, below, dt=_step(period), name=_name(name))
     return found
+
+
+def _step(period: float | None) -> float:
+    return 0 if period is None else period  # 0 stands for continuous time there
+
+
+def _name(name: str) -> str:
+    return name.replace(".", "_")  # names there may have no dot
 
 
 def _control() -> Any:

@@ -103,6 +103,11 @@ class FamilyLoops(Summarised):
     path: MeasurementPath
     which: int = FORCE
 
+    @property
+    def headline(self) -> str:
+        """How many loops there are."""
+        return f"Loops of {self.plants.number} plants"
+
     def __post_init__(self) -> None:
         """Refuse the position loop, whose inner loop may hold unstable poles of its own."""
         if self.which not in {VELOCITY, FORCE}:

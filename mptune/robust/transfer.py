@@ -38,11 +38,13 @@ def controller_to_control(gains: Gains, sampling_period: float | None = None) ->
     packed = pack_gains(gains)
     if sampling_period is None:
         x = position_parameters(packed.k_p_pos, packed.k_i_pos, packed.omega, packed.xi)
-        return transfer_function(*position(packed.tau).fraction(x), "Eq. 22")
+        return transfer_function(*position(packed.tau).fraction(x), "position controller")
     law = discretise(packed, sampling_period)
     numerator, denominator = [law.b0, law.b1, law.b2], [1.0, law.a1, law.a2]
     if packed.k_i_pos > 0:
         integral = law.integral * np.polymul([1.0, 1.0], denominator)  # of (z + 1)/(z − 1)
         numerator = list(np.polyadd(np.polymul(numerator, [1.0, -1.0]), integral))
         denominator = list(np.polymul(denominator, [1.0, -1.0]))
-    return transfer_function(numerator, denominator, "Eq. 22 under Tustin", sampling_period)
+    return transfer_function(
+        numerator, denominator, "position controller under Tustin", sampling_period
+    )
