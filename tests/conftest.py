@@ -10,6 +10,7 @@ from pathlib import Path
 os.environ["NUMBA_NUM_THREADS"] = "1"
 
 import numba
+import numpy as np
 import pytest
 import tomlkit
 from hypothesis import settings
@@ -96,3 +97,22 @@ def write_study(tmp_path):
         return path
 
     return write
+
+
+@pytest.fixture
+def load_measured(write_study, tmp_path):
+    """Load the corners of the boom study with one measured force response, named "rig"."""
+
+    def load(omega, force, *overrides, place="beside"):
+        table = np.stack([omega, force.real, force.imag], axis=1)
+        rows = [",".join(map(repr, row)) for row in table.tolist()]
+        text = "\n".join(["frequency [rad/s],real,imaginary", *rows]) + "\n"
+        (tmp_path / "rig.csv").write_text(text, encoding="utf-8")
+        changes = {
+            "uncertainty.measured": '["rig.csv"]',
+            "uncertainty.measured_place": f'"{place}"',
+            "uncertainty.points": "2",
+        }
+        return load_study(write_study(changes), overrides)
+
+    return load

@@ -15,7 +15,7 @@ GAINS = pack_gains(PUBLISHED_GAINS)
 
 
 def one_plant(mass, delay, tau_a, tau_b):
-    return Plants(*(np.array([value]) for value in (mass, delay, tau_a, tau_b)))
+    return Plants(*(np.array([value]) for value in (mass, delay, tau_a, tau_b, SHARE_A)))
 
 
 def test_integrator_with_dead_time_follows_the_method_of_steps():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mptune.loops.family import FamilyLoops
 from mptune.params.pack import NO_PATH, LoopGains, NominalPlant, Plants
 from mptune.robust.condition import sides
 
@@ -16,17 +17,17 @@ OMEGA = np.geomspace(0.5, 500, 40)
 @pytest.fixture
 def family():
     random = np.random.default_rng(7)
-    spans = ((20e3, 60e3), (0.005, 0.025), (0.0, 0.012), (0.0, 0.012))
+    spans = ((20e3, 60e3), (0.005, 0.025), (0.0, 0.012), (0.0, 0.012), (0.5, 0.6))
     return Plants(*(random.uniform(low, high, 12) for low, high in spans))
 
 
 def evaluate(plants, omega=OMEGA):
-    return sides(omega, plants, NOMINAL, 0.57, GAINS, NO_PATH)
+    return sides(omega, FamilyLoops(plants, GAINS, NO_PATH), NOMINAL)
 
 
 def test_the_order_of_plants_changes_nothing(family):
     order = np.random.default_rng(1).permutation(12)
-    shuffled = evaluate(Plants(*(column[order] for column in family)))
+    shuffled = evaluate(family.picked(order))
     found = evaluate(family)
     np.testing.assert_array_equal(shuffled.left, found.left)
     np.testing.assert_array_equal(shuffled.right, found.right)
@@ -42,7 +43,7 @@ def test_how_many_frequencies_stand_together_changes_nothing(family, count):
 
 
 def test_the_envelope_is_the_largest_of_each_plant_alone(family):
-    alone = [evaluate(Plants(*(column[n : n + 1] for column in family))) for n in range(12)]
+    alone = [evaluate(family.picked(np.array([n]))) for n in range(12)]
     found = evaluate(family)
     np.testing.assert_array_equal(found.left, np.max([one.left for one in alone], axis=0))
     np.testing.assert_array_equal(found.plant, np.argmax([one.left for one in alone], axis=0))
@@ -51,7 +52,7 @@ def test_the_envelope_is_the_largest_of_each_plant_alone(family):
 def test_each_plant_s_worst_ratio_and_its_frequency_belong_together(family):
     found = evaluate(family)
     for n in range(12):
-        alone = evaluate(Plants(*(column[n : n + 1] for column in family)))
+        alone = evaluate(family.picked(np.array([n])))
         for loop in range(2):
             assert found.plant_ratio[loop, n] == pytest.approx(alone.ratio[loop].max(), rel=1e-13)
             at = found.plant_frequency[loop, n]
@@ -59,12 +60,12 @@ def test_each_plant_s_worst_ratio_and_its_frequency_belong_together(family):
 
 
 def test_another_plant_can_only_raise_the_left_side(family):
-    fewer = evaluate(Plants(*(column[:6] for column in family)))
+    fewer = evaluate(family.picked(np.arange(6)))
     assert np.all(evaluate(family).left >= fewer.left)
 
 
 def test_the_nominal_plant_alone_leaves_nothing_on_the_left():
-    plants = Plants(*(np.array([value]) for value in (24500.0, 0.011, 0.0, 0.0)))
+    plants = Plants(*(np.array([value]) for value in (24500.0, 0.011, 0.0, 0.0, 0.57)))
     found = evaluate(plants)
     assert np.all(found.left == 0)
     assert np.all(found.plant_ratio == 0)

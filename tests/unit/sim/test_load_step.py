@@ -15,7 +15,7 @@ HEAVY = (49000.0, 0.0215, 0.0001, 0.0119)
 
 
 def family(*plants):
-    return Plants(*np.array(plants).T.copy())
+    return Plants(*np.array([(*plant, SHARE) for plant in plants]).T.copy())
 
 
 def stepped(plant, gains, path, end, step):
