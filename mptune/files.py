@@ -14,8 +14,15 @@ from pathlib import Path
 from mptune.errors import Fault, InputError, OutputError
 
 
-def read_text(path: str | Path) -> str:
+def read_text(path: str | Path, remedy: str = "check the path") -> str:
     """Return the text of a UTF-8 file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    remedy
+        What to do where there is no such file, or nothing in it: who writes it, say.
 
     Raises
     ------
@@ -25,12 +32,9 @@ def read_text(path: str | Path) -> str:
     try:
         text = Path(path).read_bytes().decode("utf-8")
     except FileNotFoundError as error:
-        fault = Fault(
-            "", "", "does not exist", "check the path, or start one with `mptune new NAME`"
-        )
-        raise InputError(path, fault) from error
+        raise InputError(path, Fault("", "", "does not exist", remedy)) from error
     except IsADirectoryError as error:
-        fault = Fault("", "", "is a folder, not a file", "name the file inside it, e.g. study.toml")
+        fault = Fault("", "", "is a folder, not a file", "name the file inside it")
         raise InputError(path, fault) from error
     except UnicodeDecodeError as error:
         fault = Fault("", "", f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")
@@ -39,7 +43,7 @@ def read_text(path: str | Path) -> str:
         fault = Fault("", "", f"cannot be read: {error.strerror}", "check its permissions")
         raise InputError(path, fault) from error
     if not text.strip():
-        raise InputError(path, Fault("", "", "is empty", "write the study, or restore the file"))
+        raise InputError(path, Fault("", "", "is empty", remedy))
     return text
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import tomlkit
 
 from mptune.export.controller import WARNING
+from mptune.params.format import CONTROLLER_FORMAT, FORMAT_KEY
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -24,6 +25,7 @@ def as_toml(controller: Controller) -> str:
     document = tomlkit.document()
     for line in controller.heading(_TITLE):
         document.add(tomlkit.comment(line) if line else tomlkit.nl())
+    document.add(FORMAT_KEY, CONTROLLER_FORMAT)
     document.add("provenance", tomlkit.item(controller.provenance()))
     document.add("verdict", tomlkit.item(_verdict(controller)))
     for name, values in _sections(controller):
@@ -38,7 +40,7 @@ def as_toml(controller: Controller) -> str:
 
 def as_json(controller: Controller) -> str:
     """Return the controller as JSON: each number with value, unit and meaning."""
-    values: dict[str, Any] = {"title": _TITLE}
+    values: dict[str, Any] = {"title": _TITLE, FORMAT_KEY: CONTROLLER_FORMAT}
     if not controller.trusted:
         values["warning"] = " ".join(WARNING)
     values |= {"provenance": controller.provenance(), "verdict": _verdict(controller)}

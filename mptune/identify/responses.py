@@ -29,8 +29,8 @@ def read_response(path: str | Path) -> FrequencyResponse:
     """
     path = Path(path)
     table = read_response_table(path)
-    omega, response, coherence = (frozen(column) for column in table)
-    return FrequencyResponse(omega, response, coherence, path.stem)
+    columns = frozen(table.omega), frozen(table.response), frozen(table.coherence)
+    return FrequencyResponse(*columns, path.stem)
 
 
 def write_response(path: str | Path, response: FrequencyResponse) -> Path:

@@ -28,6 +28,8 @@ if TYPE_CHECKING:
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
 
+_REMEDY = "check the path: `mptune tune STUDY` writes gains, `mptune new NAME` starts a study"
+
 
 @dataclass(frozen=True)
 class Compared:
@@ -137,7 +139,7 @@ def _entries(
 ) -> list[_Entry]:
     """Return what each source stands for; studies first, as gains files may need them."""
     frame = load_study(study, overrides, uncertainty) if study else None
-    texts = {path: parse_toml(path, read_text(path)) for path in sources}
+    texts = {path: parse_toml(path, read_text(path, _REMEDY)) for path in sources}
     files = {path: read_gains(path) for path, values in texts.items() if "study_hash" in values}
     studies = {
         path: load_study(path, overrides, uncertainty) for path in sources if path not in files

@@ -19,9 +19,13 @@ from pydantic import Field, ValidationError
 from mptune.errors import Fault, InputError
 from mptune.files import read_text, write_whole
 from mptune.params.controller import Feedforward, Gains
+from mptune.params.format import FORMAT_KEY, GAINS_FORMAT
 from mptune.params.load import faults_of, parse_toml
 from mptune.params.section import Section
 from mptune.summary import Summarised
+
+_MISSING_FILE = "check the path, or let `mptune tune STUDY` write it"
+_MISSING_KEY = "tune or export it again"  # nobody writes a gains file by hand
 
 Verdict = Literal["satisfied", "violated", "not run"]
 
@@ -52,8 +56,12 @@ class GainsFile(Summarised, Section):
 
     def content_hash(self) -> str:
         """Return the hash of all that the file says; it stands in the file as well."""
-        values = json.dumps(self.model_dump(), sort_keys=True)
-        return hashlib.sha256(values.encode()).hexdigest()
+        return _hash(self.model_dump())
+
+
+def _hash(values: dict[str, Any]) -> str:
+    text = json.dumps(values, sort_keys=True, default=str)  # a file may hold a date as well
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def now() -> str:
@@ -79,6 +87,7 @@ def write_gains(path: str | Path, gains: GainsFile) -> Path:
     document = tomlkit.document()
     document.add(tomlkit.comment("Gains in SI units, written by mptune. Do not edit: the margins"))
     document.add(tomlkit.comment("below hold for exactly these numbers."))
+    document.add(FORMAT_KEY, GAINS_FORMAT.newest)
     values = gains.model_dump() | {"content_hash": gains.content_hash()}
     for key, value in values.items():
         if not isinstance(value, dict):
@@ -108,16 +117,18 @@ def read_gains(path: str | Path, study_hash: str = "") -> GainsFile:
     Raises
     ------
     InputError
-        If the file cannot be read, breaks a rule, was edited, or belongs to another study.
+        If the file cannot be read, is of a newer format, breaks a rule, was edited, or belongs to
+        another study.
     """
     path = Path(path)
-    values = parse_toml(path, read_text(path))
+    values = parse_toml(path, read_text(path, _MISSING_FILE))
+    GAINS_FORMAT.take(path, values)
     stated = values.pop("content_hash", "")
     try:
         gains = GainsFile.model_validate(values, context={"si": True})
     except ValidationError as error:
-        raise InputError(path, *faults_of(error, GainsFile)) from error
-    if stated != gains.content_hash():
+        raise InputError(path, *faults_of(error, GainsFile, _MISSING_KEY)) from error
+    if stated != _hash(values):  # as written: keys that later versions add are not in it
         fault = Fault(
             "content_hash",
             "",

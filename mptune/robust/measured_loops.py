@@ -10,8 +10,8 @@ the band leaves out is closed so:
   measured it.
 
 Where this is not so, where interpolation could be off by as much as the distance to the critical
-point, or where the phase turns by more than 90° between points, the count is undecided and counts
-as not stable. Margins are those within the band.
+point, or where the phase turns by more than 90° between points and the loop is not certainly below
+1, the count is undecided and counts as not stable. Margins are those within the band.
 """
 
 from __future__ import annotations
@@ -92,18 +92,24 @@ def _count(
     s = np.concatenate([below, 1j * fine])
     force = np.concatenate([_continued(response, below), response.at(fine)])
     loop = _loops(which, s, force, mass, gains, path)
-    doubt = np.full(len(s), _OFF_BELOW)
-    doubt[len(below) :] = np.append(np.repeat(response.doubt, _FINE), response.doubt[-1])
-    distance = np.abs(1 + loop)
+    doubt, of_magnitude = np.full((2, len(s)), _OFF_BELOW)
+    doubt[len(below) :] = _along(response.doubt)
+    of_magnitude[len(below) :] = _along(response.magnitude_doubt)
+    size, distance = np.abs(loop), np.abs(1 + loop)
     turned = np.angle((1 + loop[1:]) / (1 + loop[:-1]))
     decided = (
-        np.all(doubt * np.abs(loop) < distance)
+        np.all((doubt * size < distance) | ((1 + of_magnitude) * size < 1))
         and np.all(np.abs(turned) < np.pi / 2)
         and abs(loop[len(below)]) > 2
         and abs(loop[-1]) < 0.5
     )
     count = poles_of_turns(turned.sum(keepdims=True), 1 + loop[-1:], np.array([decided]))
     return max(int(count.unstable[0]), 0), bool(count.decided[0])
+
+
+def _along(doubt: FloatArray) -> FloatArray:
+    """Return a figure of each measured step at every point of the fine grid."""
+    return np.append(np.repeat(doubt, _FINE), doubt[-1])
 
 
 def _continued(response: ForceResponse, s: ComplexArray) -> ComplexArray:
