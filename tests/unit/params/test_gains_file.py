@@ -12,12 +12,8 @@ from hypothesis import strategies as st
 
 from mptune.errors import InputError, OutputError
 from mptune.params.controller import Feedforward
-<<<<<<< HEAD
 from mptune.params.format import GAINS_FORMAT
-from mptune.params.gains import GainsFile, now, read_gains, write_gains
-=======
 from mptune.params.gains import GainsFile, accepted_gains, now, read_gains, write_gains
->>>>>>> mutants
 
 HASH = "a" * 64
 EARLY = f"""\

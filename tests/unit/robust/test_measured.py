@@ -236,7 +236,7 @@ def test_instead_judges_by_the_response_alone_within_its_band(rig_study):
 def test_an_undecided_member_is_said_and_not_taken_for_stable(rig_study):
     short = np.geomspace(0.5, 12, 200)
     result = sweep(rig_study(delay=0.012, omega=short))
-    check = next(one for one in result.checks if "unstable plants" in one.name)
+    check = next(one for one in result.checks if one.key == "unstable_plants")
     assert check.status is Status.UNDECIDED
     assert check.found == 2
     assert check.at.response == "rig"

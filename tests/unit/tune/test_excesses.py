@@ -52,7 +52,7 @@ def test_worst_excesses_are_the_sweeps_figures_over_the_limits(load_boom, name, 
     gains = model.gains._replace(**GAINS[name])
     own = study.study.gains.model_copy(update=GAINS[name])
     swept = sweep(study, own)
-    checks = {check.name.split(" ")[0]: check for check in swept.checks}
+    checks = {check.key: check for check in swept.checks}
     for one in required.worst(gains):
         check, limit = checks[one.requirement], LIMITS[one.requirement]
         over = check.found / limit if one.requirement != "gain_margin" else limit / check.found
