@@ -2,13 +2,20 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from mptune.interop import Drawn, Labelled, to_pandas
+from mptune.summary import Summarised
+
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import pandas as pd
+
     from mptune.arrays import FloatArray
     from mptune.params.controller import Gains
     from mptune.params.study import ResolvedStudy
@@ -43,8 +50,8 @@ class SetFigures:
     saturated_s: float  # time with the force reference at its limit
 
 
-@dataclass(frozen=True)
-class CaseResult:
+@dataclass(frozen=True, repr=False)
+class CaseResult(Summarised):
     """One machine's verification.
 
     Attributes
@@ -67,6 +74,22 @@ class CaseResult:
     broken_at_s: float
     sets: tuple[SetFigures, ...]
     traces: FloatArray
+
+    @property
+    def headline(self) -> str:
+        """The machine, its status and its index."""
+        index = self.mean("performance_index_ms")
+        return (
+            f"{self.mass_kg / 1e3:g} t, oil {self.oil_bulk_modulus_pa / 1e6:g} MPa, "
+            f"load {self.load_force_n / 1e3:g} kN, seed {self.seed}: {self.status}, "
+            f"index {index:.4g} ms"
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return one row per movement set, in §7's units."""
+        import pandas as pd
+
+        return pd.DataFrame([asdict(one) for one in self.sets])
 
     @property
     def stable(self) -> bool:
@@ -110,13 +133,29 @@ class CaseResult:
         }
 
 
-@dataclass(frozen=True)
-class VerifyResult:
+@dataclass(frozen=True, repr=False)
+class VerifyResult(Summarised, Drawn, Labelled):
     """Every machine's verification with one set of gains."""
+
+    drawings: ClassVar[Mapping[str, str]] = {"traces": "mptune.figures.machine:machine_traces"}
+    dataset: ClassVar[str] = "mptune.verify.store:to_dataset"
 
     study: ResolvedStudy
     gains: Gains
     cases: tuple[CaseResult, ...]
+
+    @property
+    def headline(self) -> str:
+        """Study, and how many machines are stable."""
+        stable = sum(case.stable for case in self.cases)
+        return f"Verification of {self.study.name}: {stable} of {len(self.cases)} machines stable"
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        return self.study, max(self.worst_per_mass(), key=_badness)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return one row per machine, columns as in JSON."""
+        return to_pandas(self.cases)
 
     @property
     def satisfied(self) -> bool:

@@ -24,6 +24,7 @@ from mptune.plant.piston import burden_at
 from mptune.plant.supplies import oil_at_pressure
 from mptune.plant.valve import shut_valves
 from mptune.progress import silent
+from mptune.signals.outer_loop import INTEGRAL, OUTER_STATES, REFERENCE
 from mptune.sim import closed_loop as loop
 from mptune.sim.moves import moves_of
 from mptune.verify.figures import LIMIT_CYCLE_SWINGS, first_broken_limit, set_figures
@@ -275,9 +276,9 @@ def new_memory(
     state[[plant.PRESSURE_B, plant.VALVE_END_B]] = pressure_b
     signals = np.zeros(loop.SIGNALS)
     signals[:5] = start, pressure_a, pressure_b, high, machine.low_pressure
-    outer = np.zeros(9)
-    outer[loop.INTEGRAL] = load / gains.k_p_vel
-    outer[loop.REFERENCE] = start
+    outer = np.zeros(OUTER_STATES + 2)
+    outer[INTEGRAL] = load / gains.k_p_vel
+    outer[REFERENCE] = start
     return loop.Memory(
         state=state,
         energy=np.zeros(8),
