@@ -1,0 +1,283 @@
+"""The certificate's function over a box of frequencies and plants, and its gradient.
+
+F = |n|² − γ²|d|² = α|Y|² + 2 Re(βY) + δ, negative wherever the figure is below γ: no division, and
+a denominator that does not vanish is implied. The coordinates of a box are, in this order, ω
+[rad/s], μ = m_N/m, the delay d [s], τ_A and τ_B [s], and an extra phase φ [rad] that is zero but
+where a phase margin is asked for. With Ŷ = μH, H = Σ_k z_k G_F(jω_k) e^{−j(ω_k − ω)d}, Eq. 11 as
+G_F = a/(1 + jωτ_A) + (1 − a)/(1 + jωτ_B) and a = A_A/(A_A + A_B), Y = Ŷ e^{−j(ωd + φ)}: |Y| knows
+nothing of the main phase, which therefore stands with β alone.
+
+A value at the centre is off by rounding alone (``error``); whatever varies over the box is a disc
+about its value at the centre. 1/(1 + jx) moves by |x − x'|/(|1 + jx||1 + jx'|), e^{−jx} by at most
+|x − x'| and by at most 2.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import NamedTuple
+
+from mptune.arrays import FloatArray, kernel
+from mptune.certify.balls import ROUND, Dual, modulus, widened
+from mptune.certify.figures import (
+    ALPHA_D,
+    ALPHA_N,
+    BETA_D,
+    BETA_N,
+    DELTA_D,
+    DELTA_N,
+    stored,
+)
+
+OMEGA, RATIO, DELAY, TAU_A, TAU_B, PHASE = 0, 1, 2, 3, 4, 5
+SIDES = 6
+
+
+class Disc(NamedTuple):
+    """A value at the centre, its rounding, and how far from it the box may lead."""
+
+    value: complex
+    error: float
+    spread: float
+
+
+class Enclosed(NamedTuple):
+    """F at the centre, its rounding, and how far it may move over the box by the discs alone."""
+
+    value: float
+    error: float
+    spread: float
+
+
+@kernel
+def _product(a: Disc, b: Disc) -> Disc:
+    size_a, size_b = modulus(a.value), modulus(b.value)
+    rounding = ROUND * size_a * size_b
+    return Disc(
+        a.value * b.value,
+        widened(size_a * b.error + size_b * a.error + a.error * b.error + rounding),
+        widened(size_a * b.spread + size_b * a.spread + a.spread * b.spread + rounding),
+    )
+
+
+@kernel
+def _turn(phase: float, reach: float) -> Disc:
+    """Return e^{−jx} for x within ``reach`` of a phase that has seen two roundings."""
+    error = widened(ROUND * (2 + 2 * abs(phase)))
+    return Disc(complex(math.cos(phase), -math.sin(phase)), error, widened(min(2.0, reach) + error))
+
+
+@kernel
+def _lag(omega: float, tau: float, half_omega: float, half_tau: float) -> Disc:
+    """Return 1/(1 + jωτ)."""
+    x = omega * tau
+    reach = widened(abs(omega) * half_tau + tau * half_omega + half_omega * half_tau)
+    square = 1 + x * x
+    near = max(abs(x) - reach, 0.0)
+    size = 1 / math.sqrt(square)
+    error = widened(5 * ROUND * size)
+    spread = widened(min(1.0, reach * size / math.sqrt(1 + near * near)) + error)
+    return Disc(complex(1 / square, -x / square), error, spread)
+
+
+@kernel
+def _sum(a: Disc, b: Disc) -> Disc:
+    value = a.value + b.value
+    rounding = ROUND * modulus(value)
+    return Disc(
+        value, widened(a.error + b.error + rounding), widened(a.spread + b.spread + rounding)
+    )
+
+
+@kernel
+def _multiple(a: Disc, factor: float, half: float) -> Disc:
+    """Return a real multiple, by a factor that may be ``half`` more or less over the box."""
+    size = abs(factor)
+    rounding = 2 * ROUND * size * modulus(a.value)
+    spread = a.spread * size + half * (modulus(a.value) + a.spread)
+    return Disc(a.value * factor, widened(a.error * size + rounding), widened(spread + rounding))
+
+
+@kernel
+def _weighed(row: FloatArray, top: int, bottom: int, num: float, den: float) -> Dual:
+    """Return num times one coefficient of a row less den times another."""
+    a, b = stored(row, top), stored(row, bottom)
+    rounding = 2 * ROUND * (num * modulus(a.value) + den * modulus(b.value))
+    rounding_slope = 2 * ROUND * (num * modulus(a.slope) + den * modulus(b.slope))
+    return Dual(
+        num * a.value - den * b.value,
+        widened(num * a.error + den * b.error + rounding),
+        widened(num * a.spread + den * b.spread + rounding),
+        num * a.slope - den * b.slope,
+        widened(num * a.slope_spread + den * b.slope_spread + rounding_slope),
+    )
+
+
+@kernel
+def _disc(a: Dual) -> Disc:
+    return Disc(a.value, a.error, a.spread)
+
+
+@kernel
+def _slope(a: Dual) -> Disc:
+    return Disc(a.slope, a.slope_spread, a.slope_spread)
+
+
+class _Plant(NamedTuple):
+    """H, and its derivatives by ω, d, τ_A and τ_B."""
+
+    whole: Disc
+    by_omega: Disc
+    by_delay: Disc
+    by_tau_a: Disc
+    by_tau_b: Disc
+
+
+@kernel
+def _term(
+    coefficient: Dual,
+    shift: float,
+    share_a: float,
+    centre: FloatArray,
+    half: FloatArray,
+) -> _Plant:
+    """Return one term z_k G_F(jω_k) e^{−j(ω_k − ω)d} of H with its derivatives."""
+    omega, half_omega = centre[OMEGA] + shift, half[OMEGA]
+    value, slope = _disc(coefficient), _slope(coefficient)
+    if shift != 0:
+        turn = _turn(shift * centre[DELAY], abs(shift) * half[DELAY] * (1 + 4 * ROUND))
+        value, slope = _product(value, turn), _product(slope, turn)
+    lag_a = _lag(omega, centre[TAU_A], half_omega, half[TAU_A])
+    lag_b = _lag(omega, centre[TAU_B], half_omega, half[TAU_B])
+    force = _sum(_multiple(lag_a, share_a, 0.0), _multiple(lag_b, 1 - share_a, 0.0))  # Eq. 11
+    square_a = _multiple(_product(value, _product(lag_a, lag_a)), share_a, 0.0)
+    square_b = _multiple(_product(value, _product(lag_b, lag_b)), 1 - share_a, 0.0)
+    whole = _product(value, force)
+    moving = _sum(
+        _multiple(square_a, centre[TAU_A], half[TAU_A]),
+        _multiple(square_b, centre[TAU_B], half[TAU_B]),
+    )
+    return _Plant(
+        whole,
+        _sum(_product(slope, force), _lagging(moving)),
+        _lagging(_multiple(whole, shift, 0.0)),
+        _lagging(_multiple(square_a, omega, half_omega)),
+        _lagging(_multiple(square_b, omega, half_omega)),
+    )
+
+
+@kernel
+def _lagging(a: Disc) -> Disc:
+    """Return −ja."""
+    return Disc(complex(a.value.imag, -a.value.real), a.error, a.spread)
+
+
+@kernel
+def _plant(
+    row: FloatArray, shifts: FloatArray, share_a: float, centre: FloatArray, half: FloatArray
+) -> _Plant:
+    found = _term(stored(row, len(shifts) - 1), shifts[-1], share_a, centre, half)
+    for k in range(len(shifts) - 1):
+        one = _term(stored(row, k), shifts[k], share_a, centre, half)
+        found = _Plant(
+            _sum(found.whole, one.whole),
+            _sum(found.by_omega, one.by_omega),
+            _sum(found.by_delay, one.by_delay),
+            _sum(found.by_tau_a, one.by_tau_a),
+            _sum(found.by_tau_b, one.by_tau_b),
+        )
+    return found
+
+
+@kernel
+def enclose(
+    row: FloatArray,
+    shifts: FloatArray,
+    share_a: float,
+    num: float,
+    den: float,
+    centre: FloatArray,
+    half: FloatArray,
+    slopes: FloatArray,
+    spreads: FloatArray,
+) -> Enclosed:
+    """Enclose num·|n|² − den·|d|² over a box, and its gradient.
+
+    Parameters
+    ----------
+    row, shifts
+        The figure's coefficients over the box's frequencies, and its shifts [rad/s].
+    share_a
+        A_A/(A_A + A_B).
+    num, den
+        Weights of numerator and denominator, not negative: 1 and γ², say.
+    centre, half
+        ``(SIDES,)`` the box.
+    slopes, spreads
+        ``(SIDES,)``, filled with the gradient: within ``spreads`` of ``slopes`` over the box.
+    """
+    plant = _plant(row, shifts, share_a, centre, half)
+    omega, ratio, delay = centre[OMEGA], centre[RATIO], centre[DELAY]
+    terms = len(shifts)
+    alpha = _weighed(row, terms + ALPHA_N, terms + ALPHA_D, num, den)
+    delta = _weighed(row, terms + DELTA_N, terms + DELTA_D, num, den)
+    both = _weighed(row, terms + BETA_N, terms + BETA_D, num, den)
+    reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
+    turn = _turn(omega * delay + centre[PHASE], widened(reach))
+    beta, moving = _product(_disc(both), turn), _product(_slope(both), turn)
+    whole = _multiple(plant.whole, ratio, half[RATIO])  # Ŷ
+    size = modulus(whole.value)
+    square = size * size
+    square_error = (2 * size + whole.error) * whole.error + 4 * ROUND * square
+    square_spread = (2 * size + whole.spread) * whole.spread + 4 * ROUND * square
+    turned = _product(beta, whole)  # βY
+    level = alpha.value.real
+    force = Disc(  # half of what F's gradient by Y is
+        complex(whole.value.real, -whole.value.imag) * level + beta.value,
+        0.0,
+        abs(level) * whole.spread
+        + alpha.spread * (size + whole.spread)
+        + beta.spread
+        + 4 * ROUND * (abs(level) * size + modulus(beta.value)),
+    )
+    ahead = _twice(_lagging(turned), 1.0, 0.0)
+    slopes[PHASE], spreads[PHASE] = ahead
+    slopes[RATIO], spreads[RATIO] = _twice(_product(force, plant.whole), 1.0, 0.0)
+    ratio_half = half[RATIO]
+    tau_a = _twice(_product(force, plant.by_tau_a), ratio, ratio_half)
+    tau_b = _twice(_product(force, plant.by_tau_b), ratio, ratio_half)
+    late = _twice(_product(force, plant.by_delay), ratio, ratio_half)
+    fast = _twice(_product(force, plant.by_omega), ratio, ratio_half)
+    own = _product(moving, whole)
+    slopes[TAU_A], spreads[TAU_A] = tau_a
+    slopes[TAU_B], spreads[TAU_B] = tau_b
+    slopes[DELAY] = late[0] + omega * ahead[0]
+    spreads[DELAY] = late[1] + abs(omega) * ahead[1] + half[OMEGA] * (abs(ahead[0]) + ahead[1])
+    slopes[OMEGA] = fast[0] + delay * ahead[0]
+    slopes[OMEGA] += alpha.slope.real * square + 2 * own.value.real + delta.slope.real
+    spreads[OMEGA] = fast[1] + delay * ahead[1] + half[DELAY] * (abs(ahead[0]) + ahead[1])
+    spreads[OMEGA] += alpha.slope_spread * (square + square_spread) + 2 * own.spread
+    spreads[OMEGA] += abs(alpha.slope.real) * square_spread + delta.slope_spread
+    parts = abs(fast[0]) + (delay + abs(omega)) * abs(ahead[0]) + abs(late[0])
+    parts += abs(alpha.slope.real) * square + 2 * modulus(own.value) + abs(delta.slope.real)
+    for i in range(SIDES):
+        spreads[i] = widened(spreads[i] + 8 * ROUND * abs(slopes[i]))
+    spreads[OMEGA] += 8 * ROUND * parts
+    spreads[DELAY] += 8 * ROUND * parts
+    value = level * square + 2 * turned.value.real + delta.value.real
+    rounding = abs(level) * square + 2 * modulus(turned.value) + abs(delta.value.real)
+    rounding *= 4 * ROUND
+    error = alpha.error * (square + square_error) + abs(level) * square_error
+    spread = alpha.spread * (square + square_spread) + abs(level) * square_spread
+    return Enclosed(
+        value,
+        widened(error + 2 * turned.error + delta.error + rounding),
+        widened(spread + 2 * turned.spread + delta.spread + rounding),
+    )
+
+
+@kernel
+def _twice(product: Disc, factor: float, half: float) -> tuple[float, float]:
+    """Return twice the real part of a multiple, and how far from it the box may lead."""
+    found = _multiple(product, factor, half)
+    return 2 * found.value.real, 2 * found.spread
