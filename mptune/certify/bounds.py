@@ -133,7 +133,7 @@ def attain(
             end = tail_start(form, edges[1, RATIO], level)
         if end > edges[1, OMEGA]:
             edges[1, OMEGA] = end
-            value, place = _explored(problem, form, curve, edges)
+            value, place = _explored(form, curve, edges)
             if value > attained:
                 attained, point = value, place
         if attained < limit:
@@ -149,7 +149,7 @@ def attain(
 
 
 def _explored(
-    problem: Problem, form: Form, curve: FloatArray, edges: FloatArray
+    form: Form, curve: FloatArray, edges: FloatArray
 ) -> tuple[float, FloatArray]:
     end = edges[1, OMEGA]
     omega = np.append(end * np.geomspace(10.0**-_DECADES, 1.0, _FREQUENCIES), edges[0, OMEGA])

@@ -10,7 +10,7 @@ import math
 
 import numpy as np
 
-from mptune.arrays import FloatArray, kernel
+from mptune.arrays import Complex, FloatArray, Real, kernel
 from mptune.certify.enclosure import DELAY, OMEGA, PHASE, RATIO, SIDES, TAU_A, TAU_B
 from mptune.certify.figures import EQUATION_17, MIXTURE, Form
 from mptune.loops.broken import SAMPLED, loop_around, position_loop, velocity_loop
@@ -24,8 +24,9 @@ _SHORTEST_STEP = 1e-7  # of a box's side
 
 
 @kernel
-def _loop(form: Form, s: complex, point: FloatArray) -> complex:
-    """Return the loop gain that a mixture of S and T is made of."""
+def gain_at(form: Form, point: FloatArray) -> Complex:
+    """Return the loop gain that a mixture of S and T is made of, at a point ``(SIDES,)``."""
+    s = complex(0.0, max(point[OMEGA], _LOWEST))
     mass, delay = form.nominal.mass / point[RATIO], point[DELAY]
     turn = complex(math.cos(point[PHASE]), -math.sin(point[PHASE]))
     if form.loop == SAMPLED:
@@ -40,7 +41,7 @@ def _loop(form: Form, s: complex, point: FloatArray) -> complex:
 
 
 @kernel
-def _ratio(form: Form, s: complex, point: FloatArray) -> float:
+def _ratio(form: Form, s: complex, point: FloatArray) -> Real:
     """Return the left over the right side of Eq. 17 or Eq. 21."""
     nominal = form.nominal
     velocity = nominal_velocity(s, nominal.mass, nominal.delay)
@@ -62,7 +63,7 @@ def _ratio(form: Form, s: complex, point: FloatArray) -> float:
 
 
 @kernel
-def allowed_at(curve: FloatArray, omega: float) -> float:
+def allowed_at(curve: FloatArray, omega: float) -> Real:
     """Return the largest allowed ratio: linear over ln ω between the corners, else constant."""
     last = len(curve) - 1
     if last < 0:
@@ -77,14 +78,13 @@ def allowed_at(curve: FloatArray, omega: float) -> float:
 
 
 @kernel
-def figure_at(form: Form, curve: FloatArray, point: FloatArray) -> float:
+def figure_at(form: Form, curve: FloatArray, point: FloatArray) -> Real:
     """Return the figure at a point ``(SIDES,)`` of a box's coordinates."""
-    omega = max(point[OMEGA], _LOWEST)
-    s = complex(0.0, omega)
     if form.figure == MIXTURE:
-        gain = _loop(form, s, point)
+        gain = gain_at(form, point)
         return abs((form.share_s + form.share_t * gain) / (1 + gain))
-    return _ratio(form, s, point) / allowed_at(curve, omega)
+    omega = max(point[OMEGA], _LOWEST)
+    return _ratio(form, complex(0.0, omega), point) / allowed_at(curve, omega)
 
 
 @kernel
@@ -189,7 +189,7 @@ def explore(
                 plants[n, OMEGA] = omega[f]
     best = -1.0
     for _ in range(min(climbs, len(plants))):
-        n = np.argmax(heights)
+        n = int(np.argmax(heights))
         heights[n] = -2.0
         _copy(plants[n], trial)
         value = climb(form, curve, edges, trial, step)

@@ -24,6 +24,8 @@ from mptune.certify.figures import (
     ALPHA_N,
     BETA_D,
     BETA_N,
+    D_0,
+    D_1,
     DELTA_D,
     DELTA_N,
     stored,
@@ -123,7 +125,7 @@ def _slope(a: Dual) -> Disc:
     return Disc(a.slope, a.slope_spread, a.slope_spread)
 
 
-class _Plant(NamedTuple):
+class PlantDiscs(NamedTuple):
     """H, and its derivatives by ω, d, τ_A and τ_B."""
 
     whole: Disc
@@ -140,7 +142,7 @@ def _term(
     share_a: float,
     centre: FloatArray,
     half: FloatArray,
-) -> _Plant:
+) -> PlantDiscs:
     """Return one term z_k G_F(jω_k) e^{−j(ω_k − ω)d} of H with its derivatives."""
     omega, half_omega = centre[OMEGA] + shift, half[OMEGA]
     value, slope = _disc(coefficient), _slope(coefficient)
@@ -157,7 +159,7 @@ def _term(
         _multiple(square_a, centre[TAU_A], half[TAU_A]),
         _multiple(square_b, centre[TAU_B], half[TAU_B]),
     )
-    return _Plant(
+    return PlantDiscs(
         whole,
         _sum(_product(slope, force), _lagging(moving)),
         _lagging(_multiple(whole, shift, 0.0)),
@@ -173,13 +175,14 @@ def _lagging(a: Disc) -> Disc:
 
 
 @kernel
-def _plant(
+def plant_over(
     row: FloatArray, shifts: FloatArray, share_a: float, centre: FloatArray, half: FloatArray
-) -> _Plant:
+) -> PlantDiscs:
+    """Return H and its derivatives over a box ``centre``, ``half``, ``(SIDES,)`` each."""
     found = _term(stored(row, len(shifts) - 1), shifts[-1], share_a, centre, half)
     for k in range(len(shifts) - 1):
         one = _term(stored(row, k), shifts[k], share_a, centre, half)
-        found = _Plant(
+        found = PlantDiscs(
             _sum(found.whole, one.whole),
             _sum(found.by_omega, one.by_omega),
             _sum(found.by_delay, one.by_delay),
@@ -191,9 +194,9 @@ def _plant(
 
 @kernel
 def enclose(
+    plant: PlantDiscs,
     row: FloatArray,
-    shifts: FloatArray,
-    share_a: float,
+    terms: int,
     num: float,
     den: float,
     centre: FloatArray,
@@ -205,10 +208,10 @@ def enclose(
 
     Parameters
     ----------
-    row, shifts
-        The figure's coefficients over the box's frequencies, and its shifts [rad/s].
-    share_a
-        A_A/(A_A + A_B).
+    plant
+        H over the box.
+    row, terms
+        The figure's coefficients over the box's frequencies, and its number of shifts.
     num, den
         Weights of numerator and denominator, not negative: 1 and γ², say.
     centre, half
@@ -216,9 +219,7 @@ def enclose(
     slopes, spreads
         ``(SIDES,)``, filled with the gradient: within ``spreads`` of ``slopes`` over the box.
     """
-    plant = _plant(row, shifts, share_a, centre, half)
     omega, ratio, delay = centre[OMEGA], centre[RATIO], centre[DELAY]
-    terms = len(shifts)
     alpha = _weighed(row, terms + ALPHA_N, terms + ALPHA_D, num, den)
     delta = _weighed(row, terms + DELTA_N, terms + DELTA_D, num, den)
     both = _weighed(row, terms + BETA_N, terms + BETA_D, num, den)
@@ -281,3 +282,53 @@ def _twice(product: Disc, factor: float, half: float) -> tuple[float, float]:
     """Return twice the real part of a multiple, and how far from it the box may lead."""
     found = _multiple(product, factor, half)
     return 2 * found.value.real, 2 * found.spread
+
+
+@kernel
+def clearance(
+    plant: PlantDiscs,
+    row: FloatArray,
+    terms: int,
+    centre: FloatArray,
+    half: FloatArray,
+) -> float:
+    """Return what the denominator's modulus is at least over a box, or a number below zero.
+
+    With θ the argument of d at the centre, |d| ≥ Re(e^{−jθ}d), whose mean value form knows how
+    the denominator moves relative to where it stands: nothing but that part can bring it to zero.
+    """
+    omega, ratio, delay = centre[OMEGA], centre[RATIO], centre[DELAY]
+    first, second = stored(row, terms + D_0), stored(row, terms + D_1)
+    reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
+    turn = _turn(omega * delay + centre[PHASE], widened(reach))
+    weight = _product(_disc(second), turn)  # d_1 e^{−j(ωd + φ)}
+    whole = _multiple(plant.whole, ratio, half[RATIO])
+    ahead = _lagging(_product(weight, whole))
+    value = first.value + weight.value * whole.value
+    size = modulus(value)
+    if size == 0:
+        return -1.0
+    unit = complex(value.real / size, -value.imag / size)
+    moving = _sum(_slope(first), _product(_product(_slope(second), turn), whole))
+    by_omega = _multiple(_product(weight, plant.by_omega), ratio, half[RATIO])
+    by_omega = _sum(_sum(by_omega, moving), _multiple(ahead, delay, half[DELAY]))
+    by_delay = _multiple(_product(weight, plant.by_delay), ratio, half[RATIO])
+    by_delay = _sum(by_delay, _multiple(ahead, omega, half[OMEGA]))
+    by_tau_a = _multiple(_product(weight, plant.by_tau_a), ratio, half[RATIO])
+    by_tau_b = _multiple(_product(weight, plant.by_tau_b), ratio, half[RATIO])
+    least = size - first.error - weight.error * modulus(whole.value)
+    least -= whole.error * (modulus(weight.value) + weight.error)
+    least -= 8 * ROUND * (modulus(first.value) + modulus(weight.value) * modulus(whole.value))
+    least -= _along(by_omega, unit) * half[OMEGA]
+    least -= _along(_product(weight, plant.whole), unit) * half[RATIO]
+    least -= _along(by_delay, unit) * half[DELAY]
+    least -= _along(by_tau_a, unit) * half[TAU_A] + _along(by_tau_b, unit) * half[TAU_B]
+    least -= _along(ahead, unit) * half[PHASE]
+    return least - 8 * ROUND * size
+
+
+@kernel
+def _along(a: Disc, unit: complex) -> float:
+    """Return how large the part of a disc along a direction may be."""
+    part = abs(a.value.real * unit.real - a.value.imag * unit.imag)
+    return (part + a.spread + 4 * ROUND * modulus(a.value)) * (1 + 4 * ROUND)

@@ -26,7 +26,7 @@ figure per interval of ω (a ``row``) is α, β and δ of numerator and denomina
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 from mptune.arrays import FloatArray, kernel
 from mptune.certify.balls import (
@@ -46,12 +46,14 @@ from mptune.certify.balls import (
     widened,
 )
 from mptune.loops.broken import POSITION, SAMPLED, VELOCITY
-from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant
+
+if TYPE_CHECKING:
+    from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant
 
 EQUATION_17, EQUATION_21, MIXTURE = 0, 1, 2
 PER_DUAL = 7  # numbers of a row per dual: of the shifted terms first, then of α, δ and β
-ALPHA_N, ALPHA_D, DELTA_N, DELTA_D, BETA_N, BETA_D = 0, 1, 2, 3, 4, 5
-FIXED = 6
+ALPHA_N, ALPHA_D, DELTA_N, DELTA_D, BETA_N, BETA_D, D_0, D_1 = 0, 1, 2, 3, 4, 5, 6, 7
+FIXED = 8
 
 
 class Form(NamedTuple):
@@ -120,6 +122,8 @@ def coefficients(
     _store(row, terms + DELTA_D, squared_modulus(_tightened(parts.d0, half)))
     _store(row, terms + BETA_N, times(conjugate(parts.n0), parts.n1))
     _store(row, terms + BETA_D, times(conjugate(parts.d0), parts.d1))
+    _store(row, terms + D_0, _tightened(parts.d0, half))
+    _store(row, terms + D_1, _tightened(parts.d1, half))
 
 
 @kernel

@@ -65,7 +65,7 @@ class Box:
     def corners(self) -> Plants:
         """Return the box's corners, ``(N,)`` each; fewer than 16 where sides have no width."""
         sides = (self.mass, self.delay, self.tau_a, self.tau_b)
-        return plants_of([corner for corner in product(*(sorted(set(side)) for side in sides))])
+        return plants_of(list(product(*(sorted(set(side)) for side in sides))))
 
     def grown(self, factor: float, least_delay: float = 0.0) -> Box:
         """Return the box grown about the nominal plant: x_N + factor·(x − x_N), with τ_N = 0.

@@ -45,7 +45,6 @@ class Proof:
     shifts: FloatArray
     curve: FloatArray
     edges: FloatArray
-    num: float = 1.0
     boxes: int = 0
     left: int = field(init=False)
     point: FloatArray = field(init=False)
@@ -60,13 +59,20 @@ class Proof:
         self.point = np.empty(SIDES)
 
     def run(self, bound: float, budget: int) -> int:
-        """Work on the list and return how the search ended; the place is ``point``."""
+        """Prove the figure below a bound; return how the search ended, its place in ``point``."""
+        return self._run(1.0, bound * bound, budget)
+
+    def run_nonzero(self, least: float, budget: int) -> int:
+        """Prove |d| > least·|n|; the figure is an S of the velocity loop or of that at F_ref."""
+        return self._run(least * least, 1.0, budget)
+
+    def _run(self, num: float, den: float, budget: int) -> int:
         found = search(
             self.form,
             self.shifts,
             self.curve,
-            self.num,
-            float(bound),
+            float(num),
+            float(den),
             self._lows,
             self._highs,
             self.left,

@@ -16,12 +16,13 @@ import numpy as np
 
 from mptune.arrays import FloatArray, kernel
 from mptune.certify.balls import ROUND
-from mptune.certify.enclosure import OMEGA, SIDES, Enclosed, enclose
-from mptune.certify.figures import FIXED, PER_DUAL, Form, coefficients
+from mptune.certify.enclosure import OMEGA, SIDES, Enclosed, clearance, enclose, plant_over
+from mptune.certify.figures import DELTA_N, FIXED, PER_DUAL, Form, coefficients, stored
 
 PROVED, ABOVE, OPEN, STUCK = 0, 1, 2, 3
 _SMALLEST = 1e-13  # half a side over its place, below which it is not split any more
 _TINY = 1e-25  # and in itself, in SI
+_CARE = 1 + 1e-14
 
 
 class Found(NamedTuple):
@@ -38,7 +39,7 @@ def search(
     shifts: FloatArray,
     curve: FloatArray,
     num: float,
-    bound: float,
+    den: float,
     lows: FloatArray,
     highs: FloatArray,
     count: int,
@@ -51,8 +52,9 @@ def search(
     ----------
     form, shifts, curve
         The figure, as ``coefficients`` takes it.
-    num, bound
-        Asked is num·|n|² < bound²·|d|²; num = 0 asks whether the denominator has a zero.
+    num, den
+        Asked is num·|n|² < den·|d|²: 1 and γ² for a bound γ of the figure. Where num < den/10⁶ the
+        question is whether the denominator comes near zero, and n_1 = 0 is taken for granted.
     lows, highs
         ``(S, SIDES)``: the list of boxes, its first ``count`` rows in use, the others are room.
         Worked off from its end: what is left of it is not proved.
@@ -63,7 +65,8 @@ def search(
     point
         ``(SIDES,)``, filled: where the figure is ABOVE, or where the search ended.
     """
-    width = PER_DUAL * (FIXED + len(shifts))
+    terms = len(shifts)
+    width = PER_DUAL * (FIXED + terms)
     # A box at place p uses the coefficients in a slot ≤ p, so that the last one may fill its own.
     slots = np.empty(len(lows), np.int64)
     for i in range(count):
@@ -73,7 +76,7 @@ def search(
     centre = point
     slopes, spreads = np.empty(SIDES), np.empty(SIDES)
     boxes = 0
-    weight = bound * bound
+    near_zero = num < 1e-6 * den
     while count > 0:
         last = count - 1
         low, high = lows[last], highs[last]
@@ -87,8 +90,14 @@ def search(
             slots[last] = last
             coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], rows[last])
         row = rows[slots[last]]
-        f = enclose(row, shifts, form.share_a, num, weight, centre, half, slopes, spreads)
-        if _highest(f, slopes, spreads, half) < 0:
+        plant = plant_over(row, shifts, form.share_a, centre, half)
+        f = enclose(plant, row, terms, num, den, centre, half, slopes, spreads)
+        proved = _highest(f, slopes, spreads, half) < 0
+        if near_zero and not proved:
+            top = stored(row, terms + DELTA_N)
+            least = clearance(plant, row, terms, centre, half)
+            proved = least > 0 and den * least * least > num * (top.value.real + top.spread) * _CARE
+        if proved:
             slots[last] = -1
             count -= 1
             continue

@@ -37,7 +37,7 @@ if TYPE_CHECKING:
 
 BUDGET = 300_000  # boxes
 _END = 10.0  # S is below it where the proof ends: some number above 1
-_NEAREST = 1e-4  # the remainder of a sampled loop that the proof bears with
+_NEAREST = 3e-5  # the remainder of a sampled loop that the proof bears with
 _ASIDE = (0.0, 1e-4, 1e-3, 1e-2, 0.1)  # of the way to a corner: where a witness is looked for
 
 
@@ -81,8 +81,8 @@ def box_stability(
     form = form_of(problem, loop, path, "sensitivity_peak")
     end = axis_end(problem, form)
     edges = edges_of(problem, (0.0, end))
-    proof, bound = _nonzero(form, edges)
-    if proof.run(bound, budget) == PROVED:
+    proof, least = no_zero(form, edges)
+    if proof.run_nonzero(least, budget) == PROVED:
         return BoxStability(loop, path, Stability.STABLE, None, None, proof.boxes)
     witness = witness_near(problem, proof.point, path, loop)
     return verdict(loop, path, witness, point_of(problem, proof.point), proof.boxes)
@@ -95,13 +95,13 @@ def axis_end(problem: Problem, form: Form) -> float:
     return tail_start(form, edges_of(problem, (0.0, 0.0))[1, RATIO], _END)
 
 
-def _nonzero(form: Form, edges: FloatArray) -> tuple[Proof, float]:
-    """Return the proof that 1 + L has no zero, and the bound of S that it needs."""
+def no_zero(form: Form, edges: FloatArray) -> tuple[Proof, float]:
+    """Return the proof that 1 + L has no zero, to be run, and how near L may come to −1."""
     curve = curve_of(1.0)
     if form.loop != SAMPLED:
-        return Proof(form, np.zeros(1), curve, edges, num=0.0), 1.0
+        return Proof(form, np.zeros(1), curve, edges), 0.0
     shifts, left_out = shifts_for(form, edges[1, RATIO], _NEAREST)
-    return Proof(form, shifts, curve, edges), 0.5 / left_out
+    return Proof(form, shifts, curve, edges), left_out
 
 
 def verdict(
@@ -126,14 +126,16 @@ def first_unstable(plants: Plants, stable: BoolArray, decided: BoolArray) -> Poi
     bad = np.flatnonzero(decided & ~stable)
     if len(bad) == 0:
         return None
-    return Point(*(float(column[bad[0]]) for column in plants), float("nan"))
+    mass, delay, tau_a, tau_b = (float(column[bad[0]]) for column in plants)
+    return Point(mass, delay, tau_a, tau_b, float("nan"))
 
 
 def point_of(problem: Problem, place: FloatArray) -> Point:
     """Return a place in coordinates as a plant of the box and a frequency."""
     box = problem.box
     mass = min(max(box.nominal.mass / float(place[RATIO]), box.mass[0]), box.mass[1])
-    return Point(mass, *(float(place[i]) for i in (DELAY, TAU_A, TAU_B, OMEGA)))
+    delay, tau_a, tau_b, omega = (float(place[i]) for i in (DELAY, TAU_A, TAU_B, OMEGA))
+    return Point(float(mass), delay, tau_a, tau_b, omega)
 
 
 def witness_near(problem: Problem, place: FloatArray, path: str, loop: str) -> Point | None:
