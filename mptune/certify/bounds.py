@@ -10,8 +10,7 @@ import numpy as np
 
 from mptune.certify.climb import SINGULAR, explore
 from mptune.certify.enclosure import OMEGA, RATIO, SIDES
-from mptune.certify.figures import EQUATION_17, EQUATION_21, MIXTURE
-from mptune.certify.forms import Curve, curve_of, form_of
+from mptune.certify.form import EQUATION_17, EQUATION_21, MIXTURE, Curve, curve_of, form_of
 from mptune.certify.problem import Point, edges_of
 from mptune.certify.proof import Proof
 from mptune.certify.result import Bound
@@ -23,7 +22,7 @@ from mptune.loops.broken import SAMPLED
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.certify.figures import Form
+    from mptune.certify.form import Form
     from mptune.certify.problem import Problem
 
 TOLERANCE = 1e-3  # ε
@@ -148,9 +147,7 @@ def attain(
     return attained, point, edges
 
 
-def _explored(
-    form: Form, curve: FloatArray, edges: FloatArray
-) -> tuple[float, FloatArray]:
+def _explored(form: Form, curve: FloatArray, edges: FloatArray) -> tuple[float, FloatArray]:
     end = edges[1, OMEGA]
     omega = np.append(end * np.geomspace(10.0**-_DECADES, 1.0, _FREQUENCIES), edges[0, OMEGA])
     middle = 0.5 * (edges[0] + edges[1])

@@ -12,7 +12,7 @@ import numpy as np
 
 from mptune.arrays import Complex, FloatArray, Real, kernel
 from mptune.certify.enclosure import DELAY, OMEGA, PHASE, RATIO, SIDES, TAU_A, TAU_B
-from mptune.certify.figures import EQUATION_17, MIXTURE, Form
+from mptune.certify.form import EQUATION_17, MIXTURE, Form
 from mptune.loops.broken import SAMPLED, loop_around, position_loop, velocity_loop
 from mptune.loops.position import position_error
 from mptune.loops.sampled import coefficient_count, sampled_loop, sampled_plant
@@ -94,9 +94,7 @@ def _copy(source: FloatArray, target: FloatArray) -> None:
 
 
 @kernel
-def climb(
-    form: Form, curve: FloatArray, edges: FloatArray, point: FloatArray, step: float
-) -> float:
+def climb(form: Form, curve: FloatArray, edges: FloatArray, point: FloatArray, step: float) -> Real:
     """Move a point to a local maximum of the figure within ``edges``, and return the figure there.
 
     Pattern search: each side is tried by ``step`` of its length both ways, a gain is repeated
@@ -132,7 +130,7 @@ def _better(
     trial: FloatArray,
     point: FloatArray,
     best: float,
-) -> float:
+) -> Real:
     """Move the point to the trial, brought within the edges, where the figure gains by that."""
     moved = False
     for i in range(SIDES):

@@ -6,20 +6,28 @@ a denominator that does not vanish is implied. The coordinates of a box are, in 
 where a phase margin is asked for. With Ŷ = μH, H = Σ_k z_k G_F(jω_k) e^{−j(ω_k − ω)d}, Eq. 11 as
 G_F = a/(1 + jωτ_A) + (1 − a)/(1 + jωτ_B) and a = A_A/(A_A + A_B), Y = Ŷ e^{−j(ωd + φ)}: |Y| knows
 nothing of the main phase, which therefore stands with β alone.
-
-A value at the centre is off by rounding alone (``error``); whatever varies over the box is a disc
-about its value at the centre. 1/(1 + jx) moves by |x − x'|/(|1 + jx||1 + jx'|), e^{−jx} by at most
-|x − x'| and by at most 2.
 """
 
 from __future__ import annotations
 
-import math
 from typing import NamedTuple
 
-from mptune.arrays import FloatArray, kernel
+from mptune.arrays import FloatArray, Real, kernel
 from mptune.certify.balls import ROUND, Dual, modulus, widened
-from mptune.certify.figures import (
+from mptune.certify.discs import (
+    Disc,
+    along,
+    disc_of,
+    lag,
+    lagging,
+    multiple,
+    product,
+    slope_of,
+    total,
+    turning_disc,
+    twice_real,
+)
+from mptune.certify.rows import (
     ALPHA_D,
     ALPHA_N,
     BETA_D,
@@ -35,69 +43,12 @@ OMEGA, RATIO, DELAY, TAU_A, TAU_B, PHASE = 0, 1, 2, 3, 4, 5
 SIDES = 6
 
 
-class Disc(NamedTuple):
-    """A value at the centre, its rounding, and how far from it the box may lead."""
-
-    value: complex
-    error: float
-    spread: float
-
-
 class Enclosed(NamedTuple):
     """F at the centre, its rounding, and how far it may move over the box by the discs alone."""
 
     value: float
     error: float
     spread: float
-
-
-@kernel
-def _product(a: Disc, b: Disc) -> Disc:
-    size_a, size_b = modulus(a.value), modulus(b.value)
-    rounding = ROUND * size_a * size_b
-    return Disc(
-        a.value * b.value,
-        widened(size_a * b.error + size_b * a.error + a.error * b.error + rounding),
-        widened(size_a * b.spread + size_b * a.spread + a.spread * b.spread + rounding),
-    )
-
-
-@kernel
-def _turn(phase: float, reach: float) -> Disc:
-    """Return e^{−jx} for x within ``reach`` of a phase that has seen two roundings."""
-    error = widened(ROUND * (2 + 2 * abs(phase)))
-    return Disc(complex(math.cos(phase), -math.sin(phase)), error, widened(min(2.0, reach) + error))
-
-
-@kernel
-def _lag(omega: float, tau: float, half_omega: float, half_tau: float) -> Disc:
-    """Return 1/(1 + jωτ)."""
-    x = omega * tau
-    reach = widened(abs(omega) * half_tau + tau * half_omega + half_omega * half_tau)
-    square = 1 + x * x
-    near = max(abs(x) - reach, 0.0)
-    size = 1 / math.sqrt(square)
-    error = widened(5 * ROUND * size)
-    spread = widened(min(1.0, reach * size / math.sqrt(1 + near * near)) + error)
-    return Disc(complex(1 / square, -x / square), error, spread)
-
-
-@kernel
-def _sum(a: Disc, b: Disc) -> Disc:
-    value = a.value + b.value
-    rounding = ROUND * modulus(value)
-    return Disc(
-        value, widened(a.error + b.error + rounding), widened(a.spread + b.spread + rounding)
-    )
-
-
-@kernel
-def _multiple(a: Disc, factor: float, half: float) -> Disc:
-    """Return a real multiple, by a factor that may be ``half`` more or less over the box."""
-    size = abs(factor)
-    rounding = 2 * ROUND * size * modulus(a.value)
-    spread = a.spread * size + half * (modulus(a.value) + a.spread)
-    return Disc(a.value * factor, widened(a.error * size + rounding), widened(spread + rounding))
 
 
 @kernel
@@ -113,16 +64,6 @@ def _weighed(row: FloatArray, top: int, bottom: int, num: float, den: float) -> 
         num * a.slope - den * b.slope,
         widened(num * a.slope_spread + den * b.slope_spread + rounding_slope),
     )
-
-
-@kernel
-def _disc(a: Dual) -> Disc:
-    return Disc(a.value, a.error, a.spread)
-
-
-@kernel
-def _slope(a: Dual) -> Disc:
-    return Disc(a.slope, a.slope_spread, a.slope_spread)
 
 
 class PlantDiscs(NamedTuple):
@@ -145,33 +86,27 @@ def _term(
 ) -> PlantDiscs:
     """Return one term z_k G_F(jω_k) e^{−j(ω_k − ω)d} of H with its derivatives."""
     omega, half_omega = centre[OMEGA] + shift, half[OMEGA]
-    value, slope = _disc(coefficient), _slope(coefficient)
+    value, slope = disc_of(coefficient), slope_of(coefficient)
     if shift != 0:
-        turn = _turn(shift * centre[DELAY], abs(shift) * half[DELAY] * (1 + 4 * ROUND))
-        value, slope = _product(value, turn), _product(slope, turn)
-    lag_a = _lag(omega, centre[TAU_A], half_omega, half[TAU_A])
-    lag_b = _lag(omega, centre[TAU_B], half_omega, half[TAU_B])
-    force = _sum(_multiple(lag_a, share_a, 0.0), _multiple(lag_b, 1 - share_a, 0.0))  # Eq. 11
-    square_a = _multiple(_product(value, _product(lag_a, lag_a)), share_a, 0.0)
-    square_b = _multiple(_product(value, _product(lag_b, lag_b)), 1 - share_a, 0.0)
-    whole = _product(value, force)
-    moving = _sum(
-        _multiple(square_a, centre[TAU_A], half[TAU_A]),
-        _multiple(square_b, centre[TAU_B], half[TAU_B]),
+        turn = turning_disc(shift * centre[DELAY], abs(shift) * half[DELAY] * (1 + 4 * ROUND))
+        value, slope = product(value, turn), product(slope, turn)
+    lag_a = lag(omega, centre[TAU_A], half_omega, half[TAU_A])
+    lag_b = lag(omega, centre[TAU_B], half_omega, half[TAU_B])
+    force = total(multiple(lag_a, share_a, 0.0), multiple(lag_b, 1 - share_a, 0.0))  # Eq. 11
+    square_a = multiple(product(value, product(lag_a, lag_a)), share_a, 0.0)
+    square_b = multiple(product(value, product(lag_b, lag_b)), 1 - share_a, 0.0)
+    whole = product(value, force)
+    moving = total(
+        multiple(square_a, centre[TAU_A], half[TAU_A]),
+        multiple(square_b, centre[TAU_B], half[TAU_B]),
     )
     return PlantDiscs(
         whole,
-        _sum(_product(slope, force), _lagging(moving)),
-        _lagging(_multiple(whole, shift, 0.0)),
-        _lagging(_multiple(square_a, omega, half_omega)),
-        _lagging(_multiple(square_b, omega, half_omega)),
+        total(product(slope, force), lagging(moving)),
+        lagging(multiple(whole, shift, 0.0)),
+        lagging(multiple(square_a, omega, half_omega)),
+        lagging(multiple(square_b, omega, half_omega)),
     )
-
-
-@kernel
-def _lagging(a: Disc) -> Disc:
-    """Return −ja."""
-    return Disc(complex(a.value.imag, -a.value.real), a.error, a.spread)
 
 
 @kernel
@@ -183,11 +118,11 @@ def plant_over(
     for k in range(len(shifts) - 1):
         one = _term(stored(row, k), shifts[k], share_a, centre, half)
         found = PlantDiscs(
-            _sum(found.whole, one.whole),
-            _sum(found.by_omega, one.by_omega),
-            _sum(found.by_delay, one.by_delay),
-            _sum(found.by_tau_a, one.by_tau_a),
-            _sum(found.by_tau_b, one.by_tau_b),
+            total(found.whole, one.whole),
+            total(found.by_omega, one.by_omega),
+            total(found.by_delay, one.by_delay),
+            total(found.by_tau_a, one.by_tau_a),
+            total(found.by_tau_b, one.by_tau_b),
         )
     return found
 
@@ -224,14 +159,14 @@ def enclose(
     delta = _weighed(row, terms + DELTA_N, terms + DELTA_D, num, den)
     both = _weighed(row, terms + BETA_N, terms + BETA_D, num, den)
     reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
-    turn = _turn(omega * delay + centre[PHASE], widened(reach))
-    beta, moving = _product(_disc(both), turn), _product(_slope(both), turn)
-    whole = _multiple(plant.whole, ratio, half[RATIO])  # Ŷ
+    turn = turning_disc(omega * delay + centre[PHASE], widened(reach))
+    beta, moving = product(disc_of(both), turn), product(slope_of(both), turn)
+    whole = multiple(plant.whole, ratio, half[RATIO])  # Ŷ
     size = modulus(whole.value)
     square = size * size
     square_error = (2 * size + whole.error) * whole.error + 4 * ROUND * square
     square_spread = (2 * size + whole.spread) * whole.spread + 4 * ROUND * square
-    turned = _product(beta, whole)  # βY
+    turned = product(beta, whole)  # βY
     level = alpha.value.real
     force = Disc(  # half of what F's gradient by Y is
         complex(whole.value.real, -whole.value.imag) * level + beta.value,
@@ -241,15 +176,15 @@ def enclose(
         + beta.spread
         + 4 * ROUND * (abs(level) * size + modulus(beta.value)),
     )
-    ahead = _twice(_lagging(turned), 1.0, 0.0)
+    ahead = twice_real(lagging(turned), 1.0, 0.0)
     slopes[PHASE], spreads[PHASE] = ahead
-    slopes[RATIO], spreads[RATIO] = _twice(_product(force, plant.whole), 1.0, 0.0)
+    slopes[RATIO], spreads[RATIO] = twice_real(product(force, plant.whole), 1.0, 0.0)
     ratio_half = half[RATIO]
-    tau_a = _twice(_product(force, plant.by_tau_a), ratio, ratio_half)
-    tau_b = _twice(_product(force, plant.by_tau_b), ratio, ratio_half)
-    late = _twice(_product(force, plant.by_delay), ratio, ratio_half)
-    fast = _twice(_product(force, plant.by_omega), ratio, ratio_half)
-    own = _product(moving, whole)
+    tau_a = twice_real(product(force, plant.by_tau_a), ratio, ratio_half)
+    tau_b = twice_real(product(force, plant.by_tau_b), ratio, ratio_half)
+    late = twice_real(product(force, plant.by_delay), ratio, ratio_half)
+    fast = twice_real(product(force, plant.by_omega), ratio, ratio_half)
+    own = product(moving, whole)
     slopes[TAU_A], spreads[TAU_A] = tau_a
     slopes[TAU_B], spreads[TAU_B] = tau_b
     slopes[DELAY] = late[0] + omega * ahead[0]
@@ -278,20 +213,13 @@ def enclose(
 
 
 @kernel
-def _twice(product: Disc, factor: float, half: float) -> tuple[float, float]:
-    """Return twice the real part of a multiple, and how far from it the box may lead."""
-    found = _multiple(product, factor, half)
-    return 2 * found.value.real, 2 * found.spread
-
-
-@kernel
 def clearance(
     plant: PlantDiscs,
     row: FloatArray,
     terms: int,
     centre: FloatArray,
     half: FloatArray,
-) -> float:
+) -> Real:
     """Return what the denominator's modulus is at least over a box, or a number below zero.
 
     With θ the argument of d at the centre, |d| ≥ Re(e^{−jθ}d), whose mean value form knows how
@@ -300,35 +228,28 @@ def clearance(
     omega, ratio, delay = centre[OMEGA], centre[RATIO], centre[DELAY]
     first, second = stored(row, terms + D_0), stored(row, terms + D_1)
     reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
-    turn = _turn(omega * delay + centre[PHASE], widened(reach))
-    weight = _product(_disc(second), turn)  # d_1 e^{−j(ωd + φ)}
-    whole = _multiple(plant.whole, ratio, half[RATIO])
-    ahead = _lagging(_product(weight, whole))
+    turn = turning_disc(omega * delay + centre[PHASE], widened(reach))
+    weight = product(disc_of(second), turn)  # d_1 e^{−j(ωd + φ)}
+    whole = multiple(plant.whole, ratio, half[RATIO])
+    ahead = lagging(product(weight, whole))
     value = first.value + weight.value * whole.value
     size = modulus(value)
     if size == 0:
         return -1.0
     unit = complex(value.real / size, -value.imag / size)
-    moving = _sum(_slope(first), _product(_product(_slope(second), turn), whole))
-    by_omega = _multiple(_product(weight, plant.by_omega), ratio, half[RATIO])
-    by_omega = _sum(_sum(by_omega, moving), _multiple(ahead, delay, half[DELAY]))
-    by_delay = _multiple(_product(weight, plant.by_delay), ratio, half[RATIO])
-    by_delay = _sum(by_delay, _multiple(ahead, omega, half[OMEGA]))
-    by_tau_a = _multiple(_product(weight, plant.by_tau_a), ratio, half[RATIO])
-    by_tau_b = _multiple(_product(weight, plant.by_tau_b), ratio, half[RATIO])
+    moving = total(slope_of(first), product(product(slope_of(second), turn), whole))
+    by_omega = multiple(product(weight, plant.by_omega), ratio, half[RATIO])
+    by_omega = total(total(by_omega, moving), multiple(ahead, delay, half[DELAY]))
+    by_delay = multiple(product(weight, plant.by_delay), ratio, half[RATIO])
+    by_delay = total(by_delay, multiple(ahead, omega, half[OMEGA]))
+    by_tau_a = multiple(product(weight, plant.by_tau_a), ratio, half[RATIO])
+    by_tau_b = multiple(product(weight, plant.by_tau_b), ratio, half[RATIO])
     least = size - first.error - weight.error * modulus(whole.value)
     least -= whole.error * (modulus(weight.value) + weight.error)
     least -= 8 * ROUND * (modulus(first.value) + modulus(weight.value) * modulus(whole.value))
-    least -= _along(by_omega, unit) * half[OMEGA]
-    least -= _along(_product(weight, plant.whole), unit) * half[RATIO]
-    least -= _along(by_delay, unit) * half[DELAY]
-    least -= _along(by_tau_a, unit) * half[TAU_A] + _along(by_tau_b, unit) * half[TAU_B]
-    least -= _along(ahead, unit) * half[PHASE]
+    least -= along(by_omega, unit) * half[OMEGA]
+    least -= along(product(weight, plant.whole), unit) * half[RATIO]
+    least -= along(by_delay, unit) * half[DELAY]
+    least -= along(by_tau_a, unit) * half[TAU_A] + along(by_tau_b, unit) * half[TAU_B]
+    least -= along(ahead, unit) * half[PHASE]
     return least - 8 * ROUND * size
-
-
-@kernel
-def _along(a: Disc, unit: complex) -> float:
-    """Return how large the part of a disc along a direction may be."""
-    part = abs(a.value.real * unit.real - a.value.imag * unit.imag)
-    return (part + a.spread + 4 * ROUND * modulus(a.value)) * (1 + 4 * ROUND)

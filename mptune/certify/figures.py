@@ -26,48 +26,37 @@ figure per interval of ω (a ``row``) is α, β and δ of numerator and denomina
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import NamedTuple
 
 from mptune.arrays import FloatArray, kernel
+from mptune.certify.aliases import differentiator, sampled_law, sampled_terms
 from mptune.certify.balls import (
     ROUND,
     Dual,
     conjugate,
     constant,
-    inverse,
     modulus,
     plus,
     polynomial,
     scaled,
-    sinc,
     squared_modulus,
     times,
     turning,
     widened,
 )
+from mptune.certify.form import EQUATION_17, MIXTURE, Form
+from mptune.certify.rows import (
+    ALPHA_D,
+    ALPHA_N,
+    BETA_D,
+    BETA_N,
+    D_0,
+    D_1,
+    DELTA_D,
+    DELTA_N,
+    store,
+)
 from mptune.loops.broken import POSITION, SAMPLED, VELOCITY
-
-if TYPE_CHECKING:
-    from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant
-
-EQUATION_17, EQUATION_21, MIXTURE = 0, 1, 2
-PER_DUAL = 7  # numbers of a row per dual: of the shifted terms first, then of α, δ and β
-ALPHA_N, ALPHA_D, DELTA_N, DELTA_D, BETA_N, BETA_D, D_0, D_1 = 0, 1, 2, 3, 4, 5, 6, 7
-FIXED = 8
-
-
-class Form(NamedTuple):
-    """A figure of one loop, as kernels take it: all that does not vary over the box."""
-
-    figure: int  # EQUATION_17, EQUATION_21 or MIXTURE
-    loop: int  # of a mixture: VELOCITY, POSITION, FORCE or SAMPLED
-    share_s: float  # the mixture's part of S
-    share_t: float  # and of T
-    gains: LoopGains
-    path: MeasurementPath
-    nominal: NominalPlant
-    share_a: float  # A_A/(A_A + A_B)
-    period: float  # s, T_S
 
 
 class _Parts(NamedTuple):
@@ -105,46 +94,25 @@ def coefficients(
         ``(PER_DUAL·(J + FIXED),)``.
     """
     if form.loop == SAMPLED:
-        first, law = _sampled_law(form, omega, half)
-        _sampled_terms(form, shifts, first, law, omega, half, row)
+        first, law = sampled_law(form, omega, half)
+        sampled_terms(form, shifts, first, law, omega, half, row)
         open_loop = times(_integrated(form, omega, half), first)
         parts = _mixture(form, open_loop, constant(0.0), constant(1.0))
     else:
-        _store(row, len(shifts) - 1, constant(1.0))
+        store(row, len(shifts) - 1, constant(1.0))
         parts = _continuous(form, omega, half)
     if len(curve) > 0:
         allowed = _allowed(curve, omega, half)
         parts = _Parts(parts.n0, parts.n1, times(parts.d0, allowed), times(parts.d1, allowed))
     terms = len(shifts)
-    _store(row, terms + ALPHA_N, squared_modulus(_tightened(parts.n1, half)))
-    _store(row, terms + ALPHA_D, squared_modulus(_tightened(parts.d1, half)))
-    _store(row, terms + DELTA_N, squared_modulus(_tightened(parts.n0, half)))
-    _store(row, terms + DELTA_D, squared_modulus(_tightened(parts.d0, half)))
-    _store(row, terms + BETA_N, times(conjugate(parts.n0), parts.n1))
-    _store(row, terms + BETA_D, times(conjugate(parts.d0), parts.d1))
-    _store(row, terms + D_0, _tightened(parts.d0, half))
-    _store(row, terms + D_1, _tightened(parts.d1, half))
-
-
-@kernel
-def _store(row: FloatArray, place: int, dual: Dual) -> None:
-    at = PER_DUAL * place
-    row[at], row[at + 1], row[at + 2] = dual.value.real, dual.value.imag, dual.error
-    row[at + 3], row[at + 4], row[at + 5] = dual.spread, dual.slope.real, dual.slope.imag
-    row[at + 6] = dual.slope_spread
-
-
-@kernel
-def stored(row: FloatArray, place: int) -> Dual:
-    """Return one dual of a row."""
-    at = PER_DUAL * place
-    return Dual(
-        complex(row[at], row[at + 1]),
-        row[at + 2],
-        row[at + 3],
-        complex(row[at + 4], row[at + 5]),
-        row[at + 6],
-    )
+    store(row, terms + ALPHA_N, squared_modulus(_tightened(parts.n1, half)))
+    store(row, terms + ALPHA_D, squared_modulus(_tightened(parts.d1, half)))
+    store(row, terms + DELTA_N, squared_modulus(_tightened(parts.n0, half)))
+    store(row, terms + DELTA_D, squared_modulus(_tightened(parts.d0, half)))
+    store(row, terms + BETA_N, times(conjugate(parts.n0), parts.n1))
+    store(row, terms + BETA_D, times(conjugate(parts.d0), parts.d1))
+    store(row, terms + D_0, _tightened(parts.d0, half))
+    store(row, terms + D_1, _tightened(parts.d1, half))
 
 
 @kernel
@@ -197,7 +165,7 @@ def _continuous(form: Form, omega: float, half: float) -> _Parts:
         tick = turning(omega, half, form.path.sample_time)
         plant = times(plant, plus(constant(1.0), scaled(tick, -form.path.filter_pole)))  # PW
         place = scaled(tick, 1 - form.path.filter_pole)  # h
-        speed = times(place, _differentiator(form, omega, half))  # hD
+        speed = times(place, differentiator(form, omega, half))  # hD
         law = times(place, law)  # Qh
     if form.figure == MIXTURE and form.loop == VELOCITY:
         return _mixture(form, plant, constant(0.0), speed)
@@ -215,80 +183,6 @@ def _continuous(form: Form, omega: float, half: float) -> _Parts:
     return _Parts(
         scaled(times(top, nominal), -1.0), top, times(plant, closed), times(speed, closed)
     )  # Eq. 21
-
-
-@kernel
-def _differentiator(form: Form, omega: float, half: float) -> Dual:
-    """Return Eq. 23 over s."""
-    time = form.path.sample_time
-    pairs = plus(
-        plus(
-            scaled(sinc(omega, half, 2.5 * time), 25.0), scaled(sinc(omega, half, 1.5 * time), 9.0)
-        ),
-        sinc(omega, half, 0.5 * time),
-    )
-    return times(turning(omega, half, 2.5 * time), scaled(pairs, 1 / 35))  # Eq. 23
-
-
-@kernel
-def _sampled_law(form: Form, omega: float, half: float) -> tuple[Dual, Dual]:
-    """Return what s²R and Q become under Tustin: see ``mptune.certify.sampled``."""
-    if form.gains.k_i_pos == 0 and form.gains.k_p_pos == 0:
-        return constant(1.0), constant(0.0)
-    turn = turning(omega, half, form.period)
-    both = plus(constant(1.0), turn)  # 1 + w
-    change = scaled(plus(constant(1.0), scaled(turn, -1.0)), 1 / form.period)  # (1 − w)/T_S
-    lag = plus(scaled(change, 2 * form.gains.tau), both)
-    lags = times(lag, lag)
-    rate = scaled(change, 2 / form.gains.omega)
-    shape = plus(times(rate, plus(rate, scaled(both, 2 * form.gains.xi))), times(both, both))
-    law = scaled(shape, form.gains.k_p_pos)
-    first = times(polynomial(omega, half, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0), lags)
-    if form.gains.k_i_pos == 0:
-        return first, law
-    summed = scaled(times(both, lags), form.gains.k_i_pos / 2)
-    return times(first, change), plus(times(law, change), summed)
-
-
-@kernel
-def _sampled_terms(
-    form: Form,
-    shifts: FloatArray,
-    first: Dual,
-    law: Dual,
-    omega: float,
-    half: float,
-    row: FloatArray,
-) -> None:
-    """Store the coefficient of every shifted value: see ``mptune.certify.sampled``."""
-    hold = sinc(omega, half, form.period / 2)
-    floor = 1 - form.path.filter_pole
-    for k in range(len(shifts)):
-        at = omega + shifts[k]
-        tick = turning(at, half, form.path.sample_time)
-        denominator = plus(constant(1.0), scaled(tick, -form.path.filter_pole))
-        place = scaled(times(tick, inverse(denominator, floor)), 1 - form.path.filter_pole)
-        share = _share(omega, half, shifts[k])
-        heard = plus(times(first, _differentiator(form, at, half)), times(share, law))
-        if k > 0:
-            place = times(place, times(share, share))
-        sign = -1.0 if ((k + 1) // 2) % 2 == 1 else 1.0  # shifts stand in order 0, 1, −1, 2, −2, …
-        _store(row, k, times(scaled(hold, sign), times(place, heard)))
-
-
-@kernel
-def _share(omega: float, half: float, shift: float) -> Dual:
-    """Return ω/(ω + shift), which is 1 where nothing is shifted."""
-    if shift == 0:
-        return constant(1.0)
-    at = omega + shift
-    nearest = abs(at) * (1 - 4 * ROUND) - half
-    value, slope = omega / at, shift / (at * at)
-    error = widened(6 * ROUND * (abs(value) + abs(omega * slope)))
-    spread = widened(abs(shift) * half / (abs(at) * nearest) + error)
-    bend = 2 * abs(shift) / (nearest * nearest * nearest)
-    slope_spread = widened(bend * half + 6 * ROUND * abs(slope))
-    return Dual(complex(value, 0.0), error, spread, complex(slope, 0.0), slope_spread)
 
 
 @kernel

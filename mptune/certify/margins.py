@@ -17,7 +17,7 @@ import numpy as np
 from mptune.certify.bracket import bracket
 from mptune.certify.climb import gain_at
 from mptune.certify.enclosure import OMEGA, PHASE, SIDES
-from mptune.certify.forms import form_of
+from mptune.certify.form import form_of
 from mptune.certify.problem import edges_of
 from mptune.certify.result import Bracket, Stability
 from mptune.certify.search import PROVED
@@ -26,11 +26,12 @@ from mptune.certify.stability import (
     box_stability,
     no_zero,
     point_of,
+    verdict_from,
 )
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.certify.figures import Form
+    from mptune.certify.form import Form
     from mptune.certify.problem import Point, Problem
 
 MARGINS = ("gain_margin", "phase_margin", "delay_margin")
@@ -86,7 +87,8 @@ def margin(
             wider = replace(box, mass=(box.mass[0] / value, box.mass[1]))
         else:
             wider = replace(box, delay=(box.delay[0], box.delay[1] + value))
-        found = box_stability(replace(problem, box=wider), path, budget=budget)
+        inside = replace(problem, box=wider)
+        found = verdict_from(inside, inside, path, "force_reference", budget)
         return found.status, found.witness, found.boxes
 
     if name == "gain_margin":
@@ -135,15 +137,16 @@ def own_phase_margin(form: Form, plant: FloatArray, end: float) -> float:
         place[OMEGA] = omega
         return complex(gain_at(form, place))
 
-    omega = end * np.geomspace(1e-4, 1.0, _SCAN)
-    above = [abs(gain(float(one))) > 1 for one in omega]
+    omega = [float(one) for one in end * np.geomspace(1e-4, 1.0, _SCAN)]
+    above = [abs(gain(one)) > 1 for one in omega]
     least = math.pi
-    for low, high, before, after in zip(omega[:-1], omega[1:], above[:-1], above[1:], strict=True):
-        if before == after:
+    for k in range(_SCAN - 1):
+        if above[k] == above[k + 1]:
             continue
+        low, high = omega[k], omega[k + 1]
         for _ in range(_BISECTIONS):
             middle = 0.5 * (low + high)
-            low, high = (middle, high) if (abs(gain(middle)) > 1) == before else (low, middle)
+            low, high = (middle, high) if (abs(gain(middle)) > 1) == above[k] else (low, middle)
         phase = abs(cmath.phase(-gain(low)))
         if phase < least:
             least = phase

@@ -12,7 +12,7 @@ from mptune.certify.search import search
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.certify.figures import Form
+    from mptune.certify.form import Form
 
 _ROOM = 1024  # boxes that a depth-first search may add to its list
 _OCTAVES = 12  # of frequency, into which the box is cut to begin with

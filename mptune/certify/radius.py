@@ -16,12 +16,12 @@ import numpy as np
 from mptune.certify.bounds import attain
 from mptune.certify.bracket import bracket
 from mptune.certify.enclosure import RATIO
-from mptune.certify.forms import curve_of, form_of
-from mptune.certify.problem import Box, Point, edges_of
+from mptune.certify.form import curve_of, form_of
+from mptune.certify.problem import Box, Point, edges_of, plants_of
 from mptune.certify.proof import Proof
 from mptune.certify.result import Bracket, Stability
 from mptune.certify.search import PROVED
-from mptune.certify.stability import box_stability, corner_verdict, point_of
+from mptune.certify.stability import point_of, stable_plants, verdict_from
 from mptune.certify.tails import tail_start
 
 if TYPE_CHECKING:
@@ -67,12 +67,17 @@ def radius(
     if until == "sampled" and not problem.holds_sampled:
         raise ValueError("some delay is below T_S/2: as it runs, no hold fits into it")
     floor = problem.period / 2 if until == "sampled" else 0.0
+    equation = until.startswith("equation")
+    if not equation and not _nominal_stable(problem, until, floor):
+        return Bracket(0.0, 0.0, None, closed=True, boxes=0)
 
     def verdict(factor: float) -> tuple[Stability, Point | None, int]:
         grown = problem.box.grown(factor, floor)
-        if until.startswith("equation"):
+        if equation:
             return _equation_holds(problem, grown, until, path, budget)
-        return _stays_stable(problem, grown, until, floor, budget)
+        inside, hull = (replace(problem, box=box) for box in (grown, grown.with_nominal(floor)))
+        found = verdict_from(inside, hull, until, "force_reference", budget)
+        return found.status, found.witness, found.boxes
 
     return bracket(verdict, 1.0, tolerance, _LEAST, LARGEST)
 
@@ -96,20 +101,8 @@ def _equation_holds(
     return Stability.UNDECIDED, None, proof.boxes
 
 
-def _stays_stable(
-    problem: Problem, grown: Box, path: str, floor: float, budget: int
-) -> tuple[Stability, Point | None, int]:
-    """Return whether the loop is stable in the grown box and down to the nominal plant."""
-    witness, _ = corner_verdict(replace(problem, box=grown), path, "force_reference")
-    if witness is not None:
-        return Stability.UNSTABLE, witness, 0
-    found = box_stability(replace(problem, box=grown.with_nominal(floor)), path, budget=budget)
-    status = found.status
-    if found.witness is not None and not _holds(grown, found.witness):
-        status = Stability.UNDECIDED
-    return status, found.witness, found.boxes
-
-
-def _holds(box: Box, plant: Point) -> bool:
-    sides = (box.mass, box.delay, box.tau_a, box.tau_b)
-    return all(low <= value <= high for value, (low, high) in zip(plant[:4], sides, strict=True))
+def _nominal_stable(problem: Problem, path: str, floor: float) -> bool:
+    """Return whether the nominal plant, from which the box grows, is surely stable."""
+    mass, delay = problem.box.nominal
+    stable, _ = stable_plants(problem, plants_of([mass, max(delay, floor), 0.0, 0.0]), path)
+    return bool(stable[0])

@@ -30,7 +30,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.certify.figures import Form
+    from mptune.certify.form import Form
     from mptune.params.pack import MeasurementPath
 
 _TAPS = 18 / 35  # Σ|taps| of Eq. 23, times T_S,fast

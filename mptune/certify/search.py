@@ -1,28 +1,42 @@
 """Branch and bound: a proof over a list of boxes, in one compiled search.
 
 A box is proved when F < 0 all over it, by the discs alone or by the centred form
-F(c) + Σ sup|∂F/∂x_i|·r_i. Where the enclosure of a partial derivative has one sign, the largest F
-lies on one face, and the box collapses to it; else the side with the largest sup|∂F/∂x_i|·r_i is
-bisected. The list is worked off depth first. A centre where F > 0 for certain lies above the bound
-and ends the search; so does a box too small to be split: there F = 0 as far as can be told.
-What is proved for a lower bound holds for a higher one.
+F(c) + Σ sup|∂F/∂x_i|·r_i; or, where only that is asked, because the denominator keeps clear of
+zero. Where the enclosure of a partial derivative has one sign, the largest F lies on one face, and
+the box collapses to it; else the side with the largest sup|∂F/∂x_i|·r_i is bisected. The list is
+worked off depth first. A centre where F > 0 for certain lies above the bound and ends the search;
+so does a box too small to be split: there F = 0 as far as can be told. What is proved for a lower
+bound holds for a higher one.
 """
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mptune.arrays import FloatArray, kernel
 from mptune.certify.balls import ROUND
-from mptune.certify.enclosure import OMEGA, SIDES, Enclosed, clearance, enclose, plant_over
-from mptune.certify.figures import DELTA_N, FIXED, PER_DUAL, Form, coefficients, stored
+from mptune.certify.enclosure import (
+    OMEGA,
+    SIDES,
+    Enclosed,
+    PlantDiscs,
+    clearance,
+    enclose,
+    plant_over,
+)
+from mptune.certify.figures import coefficients
+from mptune.certify.rows import DELTA_N, FIXED, PER_DUAL, stored
+
+if TYPE_CHECKING:
+    from mptune.certify.form import Form
 
 PROVED, ABOVE, OPEN, STUCK = 0, 1, 2, 3
 _SMALLEST = 1e-13  # half a side over its place, below which it is not split any more
 _TINY = 1e-25  # and in itself, in SI
 _CARE = 1 + 1e-14
+_FAR = 1e-6  # weight of n over that of d, below which only zeros of d are asked for
 
 
 class Found(NamedTuple):
@@ -53,7 +67,7 @@ def search(
     form, shifts, curve
         The figure, as ``coefficients`` takes it.
     num, den
-        Asked is num·|n|² < den·|d|²: 1 and γ² for a bound γ of the figure. Where num < den/10⁶ the
+        Asked is num·|n|² < den·|d|²: 1 and γ² for a bound γ of the figure. Where num ≤ den/10⁶ the
         question is whether the denominator comes near zero, and n_1 = 0 is taken for granted.
     lows, highs
         ``(S, SIDES)``: the list of boxes, its first ``count`` rows in use, the others are room.
@@ -66,23 +80,18 @@ def search(
         ``(SIDES,)``, filled: where the figure is ABOVE, or where the search ended.
     """
     terms = len(shifts)
-    width = PER_DUAL * (FIXED + terms)
     # A box at place p uses the coefficients in a slot ≤ p, so that the last one may fill its own.
     slots = np.empty(len(lows), np.int64)
     for i in range(count):
         slots[i] = -1
-    rows = np.empty((len(lows), width))
-    half = np.empty(SIDES)
+    rows = np.empty((len(lows), PER_DUAL * (FIXED + terms)))
+    half, slopes, spreads = np.empty(SIDES), np.empty(SIDES), np.empty(SIDES)
     centre = point
-    slopes, spreads = np.empty(SIDES), np.empty(SIDES)
     boxes = 0
-    near_zero = num < 1e-6 * den
     while count > 0:
         last = count - 1
         low, high = lows[last], highs[last]
-        for i in range(SIDES):
-            centre[i] = 0.5 * (low[i] + high[i])
-            half[i] = max(high[i] - centre[i], centre[i] - low[i]) * (1 + ROUND)
+        _measure(low, high, centre, half)
         if boxes >= budget or count == len(lows):
             return Found(OPEN, boxes, count)
         boxes += 1
@@ -92,12 +101,9 @@ def search(
         row = rows[slots[last]]
         plant = plant_over(row, shifts, form.share_a, centre, half)
         f = enclose(plant, row, terms, num, den, centre, half, slopes, spreads)
-        proved = _highest(f, slopes, spreads, half) < 0
-        if near_zero and not proved:
-            top = stored(row, terms + DELTA_N)
-            least = clearance(plant, row, terms, centre, half)
-            proved = least > 0 and den * least * least > num * (top.value.real + top.spread) * _CARE
-        if proved:
+        if _highest(f, slopes, spreads, half) < 0 or _clear(
+            plant, row, terms, num, den, centre, half
+        ):
             slots[last] = -1
             count -= 1
             continue
@@ -109,14 +115,46 @@ def search(
         side = _widest(centre, half, slopes, spreads)
         if side < 0:
             return Found(STUCK, boxes, count)
-        for i in range(SIDES):
-            lows[count, i], highs[count, i] = low[i], high[i]
-        highs[last, side] = lows[count, side] = centre[side]
-        if side == OMEGA:
-            slots[last] = -1
+        _split(lows, highs, count, side, centre[side])
+        slots[last] = -1 if side == OMEGA else slots[last]
         slots[count] = slots[last]
         count += 1
     return Found(PROVED, boxes, 0)
+
+
+@kernel
+def _measure(low: FloatArray, high: FloatArray, centre: FloatArray, half: FloatArray) -> None:
+    """Fill centre and half widths, which reach at least to both ends."""
+    for i in range(SIDES):
+        centre[i] = 0.5 * (low[i] + high[i])
+        half[i] = max(high[i] - centre[i], centre[i] - low[i]) * (1 + ROUND)
+
+
+@kernel
+def _split(lows: FloatArray, highs: FloatArray, count: int, side: int, middle: float) -> None:
+    """Bisect the last box of the list: its upper part is added as a further one."""
+    last = count - 1
+    for i in range(SIDES):
+        lows[count, i], highs[count, i] = lows[last, i], highs[last, i]
+    highs[last, side] = lows[count, side] = middle
+
+
+@kernel
+def _clear(
+    plant: PlantDiscs,
+    row: FloatArray,
+    terms: int,
+    num: float,
+    den: float,
+    centre: FloatArray,
+    half: FloatArray,
+) -> bool:
+    """Return whether the denominator stays clear of zero, if that is what is asked."""
+    if num > _FAR * den:
+        return False
+    least = clearance(plant, row, terms, centre, half)
+    top = stored(row, terms + DELTA_N)  # |n|², n_1 = 0
+    return bool(least > 0 and den * least * least > num * (top.value.real + top.spread) * _CARE)
 
 
 @kernel

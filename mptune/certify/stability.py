@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.certify.enclosure import DELAY, OMEGA, RATIO, TAU_A, TAU_B
-from mptune.certify.forms import curve_of, form_of
+from mptune.certify.form import curve_of, form_of
 from mptune.certify.problem import Point, edges_of, plants_of
 from mptune.certify.proof import Proof
 from mptune.certify.result import BoxStability, Stability
@@ -31,11 +31,12 @@ from mptune.loops.stability import count_unstable_poles
 
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, FloatArray
-    from mptune.certify.figures import Form
+    from mptune.certify.form import Form
     from mptune.certify.problem import Problem
     from mptune.params.pack import Plants
 
 BUDGET = 300_000  # boxes
+_LITTLE = 20_000
 _END = 10.0  # S is below it where the proof ends: some number above 1
 _NEAREST = 3e-5  # the remainder of a sampled loop that the proof bears with
 _ASIDE = (0.0, 1e-4, 1e-3, 1e-2, 0.1)  # of the way to a corner: where a witness is looked for
@@ -78,14 +79,25 @@ def box_stability(
     corners, known = corner_verdict(problem, path, loop)
     if corners is not None or not known:
         return verdict(loop, path, corners, None, 0)
-    form = form_of(problem, loop, path, "sensitivity_peak")
-    end = axis_end(problem, form)
-    edges = edges_of(problem, (0.0, end))
-    proof, least = no_zero(form, edges)
-    if proof.run_nonzero(least, budget) == PROVED:
-        return BoxStability(loop, path, Stability.STABLE, None, None, proof.boxes)
-    witness = witness_near(problem, proof.point, path, loop)
-    return verdict(loop, path, witness, point_of(problem, proof.point), proof.boxes)
+    return verdict_from(problem, problem, path, loop, budget)
+
+
+def verdict_from(inside: Problem, hull: Problem, path: str, loop: str, budget: int) -> BoxStability:
+    """Return the verdict on a box, given that some plant of a ``hull`` about it is stable.
+
+    The proof is tried on the hull, with little effort before the corners of the box ``inside`` are
+    asked and with all of it after that.
+    """
+    form = form_of(hull, loop, path, "sensitivity_peak")
+    proof, least = no_zero(form, edges_of(hull, (0.0, axis_end(hull, form))))
+    for effort in (min(_LITTLE, budget), budget):
+        if proof.run_nonzero(least, effort) == PROVED:
+            return BoxStability(loop, path, Stability.STABLE, None, None, proof.boxes)
+        witness, _ = corner_verdict(inside, path, loop)
+        if witness is not None:
+            return verdict(loop, path, witness, None, proof.boxes)
+    witness = witness_near(inside, proof.point, path, loop)
+    return verdict(loop, path, witness, point_of(inside, proof.point), proof.boxes)
 
 
 def axis_end(problem: Problem, form: Form) -> float:

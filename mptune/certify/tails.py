@@ -16,11 +16,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.certify.figures import EQUATION_17, EQUATION_21
+from mptune.certify.form import EQUATION_17, EQUATION_21
 from mptune.loops.broken import POSITION, VELOCITY
 
 if TYPE_CHECKING:
-    from mptune.certify.figures import Form
+    from mptune.certify.form import Form
 
 _CARE = 1 + 1e-9  # what roundings of the formulas below may come to, and far more
 _STEPS = 60

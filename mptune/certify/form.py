@@ -1,17 +1,19 @@
-"""From the names of loop, path and figure to what kernels take."""
+"""A figure of one loop: by its names, and as kernels take it."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mptune.certify.figures import EQUATION_17, EQUATION_21, MIXTURE, Form
 from mptune.loops.broken import FORCE, POSITION, SAMPLED, VELOCITY
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.certify.problem import Problem
+    from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant
+
+EQUATION_17, EQUATION_21, MIXTURE = 0, 1, 2
 
 Curve = tuple[tuple[float, float], ...]
 """Pairs of frequency [rad/s] and largest allowed ratio, frequencies rising."""
@@ -23,6 +25,20 @@ SHARES = {  # of S and of T
     "complementary_peak": (0.0, 1.0),
     "disk_margin": (0.5, -0.5),
 }
+
+
+class Form(NamedTuple):
+    """A figure of one loop, as kernels take it: all that does not vary over the box."""
+
+    figure: int  # EQUATION_17, EQUATION_21 or MIXTURE
+    loop: int  # of a mixture: VELOCITY, POSITION, FORCE or SAMPLED
+    share_s: float  # the mixture's part of S
+    share_t: float  # and of T
+    gains: LoopGains
+    path: MeasurementPath
+    nominal: NominalPlant
+    share_a: float  # A_A/(A_A + A_B)
+    period: float  # s, T_S
 
 
 def form_of(problem: Problem, loop: str, path: str, figure: str) -> Form:
