@@ -1,0 +1,1 @@
+"""Guaranteed worst cases over a continuous box of plants, with exact dead time."""
