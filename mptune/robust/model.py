@@ -111,6 +111,11 @@ class LinearModel(Summarised):
         return pack_gains(self.study.study.gains)
 
     @property
+    def path_name(self) -> str:
+        """``"none"`` or ``"filters"``: the path that the study's inequalities include."""
+        return "none" if self.path == NO_PATH else "filters"
+
+    @property
     def runs(self) -> bool:
         """Whether every delay leaves room for the hold, so that there is a sampled loop."""
         return bool(self.plants.delay.min() >= self.period / 2)

@@ -11,6 +11,7 @@ import numpy as np
 from mptune.errors import Fault, InputError
 from mptune.interop import Drawn, Labelled
 from mptune.loops.family import derived_time_constants
+from mptune.robust.certificates import Certificates, Grounds, bound_json
 from mptune.robust.place import PlantPoint, finite
 from mptune.summary import Summarised
 
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
     from control import FrequencyResponseData
 
     from mptune.arrays import FloatArray, IntArray
+    from mptune.certify.result import Bound
     from mptune.params.controller import Gains
     from mptune.params.pack import Plants
     from mptune.params.study import ResolvedStudy
@@ -56,10 +58,15 @@ class Condition(Summarised):
     allowed
         ``(F,)`` largest ratio that the study allows.
     worst_ratio, at
-        Largest ratio over plants and frequencies, and where. A finite grid can only miss higher
-        values, so the figure errs on the optimistic side.
+        Largest ratio over plants and frequencies, and where: that of the certificate, polished,
+        where there is one, else the grid's, which can only miss higher values.
     worst_use, worst_use_at
         Largest quotient of ratio and allowed ratio, and where.
+    certified
+        Attained and guaranteed worst ratio over the box; None where measured responses stand in
+        its place.
+    grounds
+        What the status rests on.
     low_frequency_limit
         The worst ratio is the limit of vanishing frequency, |m_min/m − 1|, which no gain changes.
     nominal_stable, poles_equal
@@ -81,12 +88,15 @@ class Condition(Summarised):
     nominal_stable: bool
     poles_equal: bool
     status: Status
+    certified: Bound | None = None
+    grounds: Grounds = Grounds.GRID
 
     @property
     def headline(self) -> str:
         """Worst ratio, where it is, and the status."""
         return (
-            f"{self.name}: worst ratio {self.worst_ratio:.4g} at {self.at.headline}: {self.status}"
+            f"{self.name}: worst ratio {self.worst_ratio:.4g} at {self.at.headline}: "
+            f"{self.status}, {self.grounds}"
         )
 
     @property
@@ -115,6 +125,8 @@ class Condition(Summarised):
             "poles_equal": self.poles_equal,
             "low_frequency_limit": self.low_frequency_limit,
             "at": self.at.values(),
+            "certified": bound_json(self.certified) if self.certified else None,
+            "grounds": self.grounds.value,
         }
 
 
@@ -133,6 +145,8 @@ class Check(Summarised):
         The limit for print.
     found, at
         What was found, and where; None where no plant is responsible.
+    grounds
+        What the status rests on; None where no family is asked.
     """
 
     key: str
@@ -141,6 +155,7 @@ class Check(Summarised):
     found: float
     status: Status
     at: PlantPoint | None
+    grounds: Grounds | None = None
 
     @property
     def headline(self) -> str:
@@ -155,6 +170,7 @@ class Check(Summarised):
             "found": finite(self.found),
             "status": self.status.value,
             "at": self.at.values() if self.at else None,
+            "grounds": self.grounds.value if self.grounds else None,
         }
 
 
@@ -183,6 +199,7 @@ class SweepResult(Summarised, Drawn, Labelled):
     sampled: Family | None  # as it runs; None where some delay leaves no room for the hold
     noise_gain: float  # N/m, rms of F_ref per rms of position noise
     checks: tuple[Check, ...]
+    certificates: Certificates | None = None
 
     @property
     def study(self) -> ResolvedStudy:
@@ -270,6 +287,7 @@ class SweepResult(Summarised, Drawn, Labelled):
         values["true_family"] = {family.path: family.json() for family in self.families}
         if self.sampled is not None:
             values["true_family"]["sampled"] = self.sampled.json()
+        values |= self.certificates.json() if self.certificates else {"bounds": []}
         values["noise_gain_n_per_m"] = finite(self.noise_gain)
         values["requirements"] = [check.json() for check in self.checks]
         values["satisfied"] = self.satisfied
