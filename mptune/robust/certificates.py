@@ -30,7 +30,8 @@ if TYPE_CHECKING:
     from mptune.params.requirements import RatioCurve
     from mptune.robust.model import LinearModel
 
-_Name, _Value = TypeVar("_Name"), TypeVar("_Value")
+_Name = TypeVar("_Name")
+_Value = TypeVar("_Value")
 
 _FINEST = 1e-6  # tolerance at which a limit that lies between both bounds is given up
 _THREADS = 2
