@@ -2,6 +2,8 @@
 
 import importlib
 import pkgutil
+import subprocess
+import sys
 
 import pytest
 from architecture import surface
@@ -19,6 +21,13 @@ def test_public_name_is_no_room_and_stays_what_it_is(name):
     found = getattr(mptune, name)
     assert found is getattr(importlib.import_module(home), there)
     assert getattr(mptune, name) is found
+
+
+def test_nothing_heavy_is_imported_before_it_is_used():
+    heavy = "numpy numba pydantic matplotlib xarray pandas cvxpy control"
+    code = f"import mptune, sys; print([one for one in '{heavy}'.split() if one in sys.modules])"
+    found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    assert found.stdout.strip() == "[]"
 
 
 def test_unknown_name_is_an_attribute_error():
