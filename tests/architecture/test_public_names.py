@@ -4,6 +4,8 @@ import importlib
 import pkgutil
 import subprocess
 import sys
+import typing
+from pathlib import Path
 
 import pytest
 from architecture import surface
@@ -50,3 +52,10 @@ def test_annotations_name_public_types_only(name):
         if kind not in known and not surface.is_section(kind)
     }
     assert not hidden, f"{name} names {hidden}"
+
+
+@pytest.mark.parametrize("name", FUNCTIONS)
+def test_a_path_may_be_a_plain_string(name):
+    for parameter, kind in surface.parameter_types(FUNCTIONS[name]).items():
+        if Path in {kind, *typing.get_args(kind)}:
+            assert str in typing.get_args(kind), parameter
