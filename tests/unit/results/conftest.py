@@ -118,7 +118,7 @@ def results(fig_5, unstable, load_boom):
     """One of every public result by name."""
     study = fig_5.study
     response = FrequencyResponse(
-        OMEGA, model(OMEGA, np.array([8e-3, 9e-3, 5e-3]), 0.57), np.ones(400), "<rig & co>"
+        OMEGA, model(OMEGA, np.array([8e-3, 9e-3, 5e-3]), 0.57), np.ones(400), "<rig & co> no. 2"
     )
     cases = tuple(case_of(mass) for mass in np.linspace(2e4, 5e4, 40))
     verified = VerifyResult(study, fig_5.gains, (*cases, case_of(6e4, CaseStatus.NOT_FINITE)))
