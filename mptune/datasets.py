@@ -7,20 +7,19 @@ that fills up under an open HDF5 file takes the process with it.
 from __future__ import annotations
 
 import io
+from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mptune.errors import Fault, InputError
 from mptune.files import write_whole
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     import xarray as xr
 
 _ENGINE: Final = "h5netcdf"
 
 
-def write_dataset(path: Path, dataset: xr.Dataset) -> Path:
+def write_dataset(path: str | Path, dataset: xr.Dataset) -> Path:
     """Write a data set as NetCDF, whole or not at all.
 
     Raises
@@ -33,7 +32,7 @@ def write_dataset(path: Path, dataset: xr.Dataset) -> Path:
     return write_whole(path, stream.getvalue())
 
 
-def read_dataset(path: Path, remedy: str = "make it again") -> xr.Dataset:
+def read_dataset(path: str | Path, remedy: str = "make it again") -> xr.Dataset:
     """Return a stored data set, read whole.
 
     Raises
@@ -44,7 +43,7 @@ def read_dataset(path: Path, remedy: str = "make it again") -> xr.Dataset:
     import xarray as xr
 
     try:
-        with xr.open_dataset(io.BytesIO(path.read_bytes()), engine=_ENGINE) as dataset:
+        with xr.open_dataset(io.BytesIO(Path(path).read_bytes()), engine=_ENGINE) as dataset:
             return dataset.load()
     except (OSError, ValueError, KeyError) as error:
         raise InputError(path, Fault("", "", f"cannot be read: {error}", remedy)) from error

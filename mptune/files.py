@@ -9,15 +9,12 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from mptune.errors import Fault, InputError, OutputError
 
-if TYPE_CHECKING:
-    from pathlib import Path
 
-
-def read_text(path: Path, remedy: str = "check the path") -> str:
+def read_text(path: str | Path, remedy: str = "check the path") -> str:
     """Return the text of a UTF-8 file.
 
     Parameters
@@ -33,7 +30,7 @@ def read_text(path: Path, remedy: str = "check the path") -> str:
         If the path is missing, is a folder, may not be read, is empty or is not UTF-8 text.
     """
     try:
-        text = path.read_bytes().decode("utf-8")
+        text = Path(path).read_bytes().decode("utf-8")
     except FileNotFoundError as error:
         raise InputError(path, Fault("", "", "does not exist", remedy)) from error
     except IsADirectoryError as error:
@@ -50,7 +47,7 @@ def read_text(path: Path, remedy: str = "check the path") -> str:
     return text
 
 
-def make_folder(path: Path) -> Path:
+def make_folder(path: str | Path) -> Path:
     """Create a folder for results and check that it can be written to, before any long work.
 
     Raises
@@ -58,6 +55,7 @@ def make_folder(path: Path) -> Path:
     InputError
         If the folder cannot be created, or nothing can be written into it.
     """
+    path = Path(path)
     try:
         path.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path):
@@ -69,7 +67,7 @@ def make_folder(path: Path) -> Path:
     return path
 
 
-def write_whole(path: Path, content: bytes | str) -> Path:
+def write_whole(path: str | Path, content: bytes | str) -> Path:
     """Write a file whole or not at all.
 
     Raises
@@ -78,6 +76,7 @@ def write_whole(path: Path, content: bytes | str) -> Path:
         If the file cannot be written; an earlier file of that name is then untouched.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
+    path = Path(path)
     beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
         with beside.open("wb") as stream:

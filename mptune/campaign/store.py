@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -22,10 +23,10 @@ from mptune.sim.merit import MERITS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     import xarray as xr
 
+    from mptune.arrays import FloatArray, IntArray
     from mptune.campaign.plan import Plan
 
 _IDENTITY = "campaign_identity"
@@ -35,11 +36,11 @@ _REMEDY = "delete it; --resume runs it again"
 class CampaignStore:
     """A campaign's files: ``campaign/chunk-000000.nc`` … and in the end ``campaign.nc``."""
 
-    def __init__(self, folder: Path, plan: Plan) -> None:
+    def __init__(self, folder: str | Path, plan: Plan) -> None:
         self._plan = plan
         self._identity = plan.identity()
-        self.path = folder / "campaign.nc"
-        self.chunk_folder = folder / "campaign"
+        self.path = Path(folder) / "campaign.nc"
+        self.chunk_folder = Path(folder) / "campaign"
 
     def begin(self, *, resume: bool) -> None:
         """Make room for the campaign's chunks.
@@ -94,7 +95,8 @@ class CampaignStore:
         OutputError
             If the file cannot be written.
         """
-        dataset = self._dataset(
+        dataset = _dataset(
+            self._plan,
             np.concatenate([np.array(one.number, np.int64) for one in rows]),
             np.concatenate([one.figures for one in rows]),
             [status for one in rows for status in one.status],
@@ -157,32 +159,37 @@ class CampaignStore:
             reason=dataset["reason"].to_numpy().astype(np.str_),
         )
 
-    def _dataset(
-        self,
-        index: np.ndarray[tuple[int], np.dtype[np.int64]],
-        figures: np.ndarray[tuple[int, int], np.dtype[np.float64]],
-        status: list[str],
-        reason: list[str],
-    ) -> xr.Dataset:
-        import xarray as xr
 
-        points = self._plan.points[index]
-        data = {
-            name: xr.DataArray(points[:, place], dims="run", attrs={"units": unit})
-            for place, (name, unit) in enumerate(PARAMETER_UNITS.items())
-        }
-        for place, one in enumerate(MERITS):
-            data[one.key] = xr.DataArray(figures[:, place], dims="run", attrs={"units": one.unit})
-        data["status"] = xr.DataArray(np.array(status, object), dims="run")
-        data["reason"] = xr.DataArray(np.array(reason, object), dims="run")
-        values = self._plan.values()
-        attributes = {
-            "study": self._plan.study.name,
-            "study_hash": self._plan.study.hash(),
-            _IDENTITY: self._identity,
-            "mptune_version": values["version"],
-            "campaign": json.dumps(values["campaign"]),
-            "gains": json.dumps(values["gains"]),
-            "feedforward": json.dumps(values["feedforward"]),
-        }
-        return xr.Dataset(data, {"run": index}, attributes)
+def to_dataset(result: CampaignResult) -> xr.Dataset:
+    """Return a campaign as a labelled data set over its runs, as ``campaign.nc`` holds it."""
+    runs = np.arange(result.plan.runs)
+    return _dataset(
+        result.plan, runs, result.figures, result.status.tolist(), result.reason.tolist()
+    )
+
+
+def _dataset(
+    plan: Plan, index: IntArray, figures: FloatArray, status: list[str], reason: list[str]
+) -> xr.Dataset:
+    import xarray as xr
+
+    points = plan.points[index]
+    data = {
+        name: xr.DataArray(points[:, place], dims="run", attrs={"units": unit})
+        for place, (name, unit) in enumerate(PARAMETER_UNITS.items())
+    }
+    for place, one in enumerate(MERITS):
+        data[one.key] = xr.DataArray(figures[:, place], dims="run", attrs={"units": one.unit})
+    data["status"] = xr.DataArray(np.array(status, object), dims="run")
+    data["reason"] = xr.DataArray(np.array(reason, object), dims="run")
+    values = plan.values()
+    attributes = {
+        "study": plan.study.name,
+        "study_hash": plan.study.hash(),
+        _IDENTITY: plan.identity(),
+        "mptune_version": values["version"],
+        "campaign": json.dumps(values["campaign"]),
+        "gains": json.dumps(values["gains"]),
+        "feedforward": json.dumps(values["feedforward"]),
+    }
+    return xr.Dataset(data, {"run": index}, attributes)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import sys
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -20,6 +19,7 @@ from mptune.params.paper import LEDGER
 from mptune.robust.result import Status
 from mptune.robust.tables import EQUATIONS, margin_rows, place_text, undecided_text
 from mptune.sim.merit import TABULATED
+from mptune.strict import strict
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
@@ -39,17 +39,7 @@ console = Console(
 
 def as_json(values: dict[str, Any]) -> None:
     """Print one JSON object; what JSON cannot say (NaN, infinity) becomes null."""
-    console.file.write(json.dumps(_sayable(values), allow_nan=False) + "\n")
-
-
-def _sayable(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _sayable(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_sayable(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+    console.file.write(json.dumps(strict(values), allow_nan=False) + "\n")
 
 
 @contextmanager
@@ -138,7 +128,7 @@ def requirements(checks: Iterable[Check]) -> None:
     for check in checks:
         good = check.status is Status.SATISFIED
         table.add_row(
-            check.name,
+            check.label,
             check.limit,
             number(check.found),
             verdict(check.status.value, good=good),

@@ -17,7 +17,7 @@ def exported(result: ExportResult) -> None:
     gains(controller.margins.written.gains, controller.source.gains, "in the gains file")
     requirements(controller.margins.checks)
     if not result.files:
-        names = ", ".join(check.name for check in controller.margins.broken)
+        names = ", ".join(check.label for check in controller.margins.broken)
         console.print(verdict("Nothing was written:", good=False), end=" ")
         console.print(f"as written, these requirements no longer hold: {names}.")
         console.print(

@@ -57,7 +57,7 @@ def _requirements(result: JobResult) -> None:
     for check in result.tuned.sweep.checks:
         good = check.status is Status.SATISFIED
         status = verdict(check.status.value, good=good)
-        table.add_row(check.name, check.limit, number(check.found), status)
+        table.add_row(check.label, check.limit, number(check.found), status)
     console.print(table)
 
 

@@ -12,7 +12,7 @@ from mptune.sim import closed_loop as loop
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from mptune.sim.record import Record
+    from mptune.sim.record import RunRecord
     from mptune.verify.result import CaseResult
 
 _GREYS = ("0.0", "0.25", "0.4", "0.5")
@@ -55,7 +55,9 @@ def _delays(case: CaseResult) -> str:
     return f"{low:g}" if low == high else f"{low:g}–{high:g}"
 
 
-def _motion(axes: np.ndarray[tuple[int], np.dtype[np.object_]], record: Record, few: slice) -> None:
+def _motion(
+    axes: np.ndarray[tuple[int], np.dtype[np.object_]], record: RunRecord, few: slice
+) -> None:
     position, error, velocity = axes
     time = record.time[few]
     position.plot(time, 1e3 * record.position[few], label="machine", **NOMINAL)
@@ -68,7 +70,9 @@ def _motion(axes: np.ndarray[tuple[int], np.dtype[np.object_]], record: Record, 
     velocity.set_ylabel("Velocity\n[mm/s]")
 
 
-def _forces(axes: np.ndarray[tuple[int], np.dtype[np.object_]], record: Record, few: slice) -> None:
+def _forces(
+    axes: np.ndarray[tuple[int], np.dtype[np.object_]], record: RunRecord, few: slice
+) -> None:
     pressure, drawn, error = axes
     time, thin = record.time[few], {"linewidth": 0.9}
     if record.pressures is not None:

@@ -72,7 +72,7 @@ def to_dataset(result: IdentifyResult) -> xr.Dataset:
     return xr.Dataset(data, coordinates, attributes)
 
 
-def write_identification(path: Path, result: IdentifyResult) -> Path:
+def write_identification(path: str | Path, result: IdentifyResult) -> Path:
     """Write an identification as NetCDF, whole or not at all.
 
     Raises
@@ -83,7 +83,7 @@ def write_identification(path: Path, result: IdentifyResult) -> Path:
     return write_dataset(path, to_dataset(result))
 
 
-def read_panels(path: Path, study_hash: str) -> tuple[Panel, ...]:
+def read_panels(path: str | Path, study_hash: str) -> tuple[Panel, ...]:
     """Return the panels of a stored identification of one model; none where there is no such."""
     try:
         dataset = read_dataset(path)

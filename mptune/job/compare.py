@@ -8,6 +8,7 @@ its own gains on its own model, and each gains file for the named study whose mo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
@@ -20,7 +21,6 @@ from mptune.sim.sampled import linear_moves
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     from mptune.params.controller import Feedforward
     from mptune.params.study import ResolvedStudy
@@ -85,9 +85,9 @@ class _Entry:
 
 
 def compare(
-    sources: Sequence[Path],
-    study: Path | None,
-    out: Path,
+    sources: Sequence[str | Path],
+    study: str | Path | None,
+    out: str | Path,
     progress: Progress = silent,
     *,
     overrides: Sequence[str] = (),
@@ -117,7 +117,7 @@ def compare(
     if len(sources) < 2:
         remedy = "name two or more gains files or studies"
         raise InputError("command line", Fault("", "", "has nothing to compare with", remedy))
-    entries = _entries(sources, study, overrides, uncertainty)
+    entries = _entries([Path(source) for source in sources], study, overrides, uncertainty)
     folder = make_folder(out)
     labels = _labels(entries)
     found = []
@@ -131,7 +131,10 @@ def compare(
 
 
 def _entries(
-    sources: Sequence[Path], study: Path | None, overrides: Sequence[str], uncertainty: str
+    sources: Sequence[Path],
+    study: str | Path | None,
+    overrides: Sequence[str],
+    uncertainty: str,
 ) -> list[_Entry]:
     """Return what each source stands for; studies first, as gains files may need them."""
     frame = load_study(study, overrides, uncertainty) if study else None

@@ -3,9 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from mptune.interop import Drawn
+from mptune.strict import strict
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from mptune.params.study import ResolvedStudy
@@ -17,8 +22,8 @@ if TYPE_CHECKING:
     from mptune.verify.result import VerifyResult
 
 
-@dataclass(frozen=True)
-class JobResult:
+@dataclass(frozen=True, repr=False)
+class JobResult(Summarised, Drawn):
     """What a whole run found and wrote.
 
     Attributes
@@ -41,6 +46,8 @@ class JobResult:
         What was written.
     """
 
+    drawings: ClassVar[Mapping[str, str]] = {"gains": "mptune.figures.compare:compared_gains"}
+
     study: ResolvedStudy
     published: SweepResult
     tuned: TuneResult
@@ -57,12 +64,22 @@ class JobResult:
         verified = self.verified is not None and self.verified.satisfied
         return self.tuned.sweep.satisfied and verified
 
+    @property
+    def headline(self) -> str:
+        """Study and verdict."""
+        verdict = "met" if self.satisfied else "not met"
+        return f"Run of {self.study.name}: every requirement {verdict}, {len(self.files)} files"
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        own = ("the study's own", self.published, self.moves_before)
+        return ((own, ("tuned", self.tuned.sweep, self.moves)),)
+
     def json(self) -> dict[str, Any]:
         """Return the result in SI, units in the keys."""
         values = {
             "sweep": self.published.json(),
             "tune": {**self.tuned.json(), "sweep": self.tuned.sweep.json()},
-            "linear_check": [moves_json(case) for case in self.moves],
+            "linear_check": [case.json() for case in self.moves],
             "verify": self.verified.json() if self.verified else None,
             "chain": [link.json() for link in self.chain],
             "satisfied": self.satisfied,
@@ -70,15 +87,4 @@ class JobResult:
         }
         if self.compared:
             values["compared"] = [one.json() for one in self.compared]
-        return values
-
-
-def moves_json(case: LinearMove) -> dict[str, Any]:
-    """Return one case of the linear check; the index keeps §7's unit."""
-    return {
-        "mass_kg": case.mass_kg,
-        "valve_delay_s": case.valve_delay_s,
-        "oil_bulk_modulus_pa": case.oil_bulk_modulus_pa,
-        "stable": case.stable,
-        "performance_index_ms": case.performance_index_ms,
-    }
+        return strict(values)

@@ -17,6 +17,7 @@ whatever other commands have left in the folder for the same model.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mptune.files import make_folder, write_whole
@@ -39,8 +40,6 @@ from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from mptune.params.controller import Feedforward
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
@@ -53,7 +52,7 @@ STAGES = ("sweep", "tune", "linear check", "verify", "chain", "compare", "figure
 
 def run(
     study: ResolvedStudy,
-    out: Path,
+    out: str | Path,
     progress: Progress = silent,
     *,
     compare: bool = False,
@@ -76,6 +75,7 @@ def run(
     OutputError
         If results cannot be written.
     """
+    out = Path(out)
     folder = make_folder(out / study.name)
     with precompiling() as simulator_ready:
         progress("sweep", 0.0)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mptune.files import make_folder, write_whole
@@ -11,8 +12,6 @@ from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from mptune.params.controller import Gains
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
@@ -23,7 +22,7 @@ if TYPE_CHECKING:
 def sweep_study(
     study: ResolvedStudy,
     gains: Gains | None,
-    out: Path,
+    out: str | Path,
     progress: Progress = silent,
 ) -> tuple[SweepResult, tuple[Link, ...], tuple[Path, ...]]:
     """Sweep one set of gains (the study's own where None), store it and draw its panels.
@@ -33,7 +32,7 @@ def sweep_study(
     from mptune.figures.panels import four_panels
     from mptune.figures.style import to_svg
 
-    folder = make_folder(out / study.name)
+    folder = make_folder(Path(out) / study.name)
     progress("sweep", 0.0)
     swept = sweep(study, gains)
     progress("chain", 0.0)

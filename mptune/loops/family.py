@@ -23,6 +23,7 @@ from mptune.loops.velocity import plant_at
 from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.plant.bulk import effective_bulk_modulus
 from mptune.signals.conditioning import filter_response
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from mptune.params.section import Range
@@ -83,8 +84,8 @@ def nominal_plants(nominal: NominalPlant) -> Plants:
     return Plants(np.array([nominal.mass]), np.array([nominal.delay]), zero, zero, zero + 0.5)
 
 
-@dataclass(frozen=True)
-class FamilyLoops:
+@dataclass(frozen=True, repr=False)
+class FamilyLoops(Summarised):
     """The loops of a family under one set of gains, broken at one place for the pole count.
 
     Attributes
@@ -101,6 +102,11 @@ class FamilyLoops:
     gains: LoopGains
     path: MeasurementPath
     which: int = FORCE
+
+    @property
+    def headline(self) -> str:
+        """How many loops there are."""
+        return f"Loops of {self.plants.number} plants"
 
     def __post_init__(self) -> None:
         """Refuse the position loop, whose inner loop may hold unstable poles of its own."""

@@ -10,7 +10,8 @@ import datetime as dt
 import hashlib
 import importlib.metadata
 import json
-from typing import TYPE_CHECKING, Any, Literal
+from pathlib import Path
+from typing import Any, Literal
 
 import tomlkit
 from pydantic import Field, ValidationError
@@ -21,9 +22,7 @@ from mptune.params.controller import Feedforward, Gains
 from mptune.params.format import FORMAT_KEY, GAINS_FORMAT
 from mptune.params.load import faults_of, parse_toml
 from mptune.params.section import Section
-
-if TYPE_CHECKING:
-    from pathlib import Path
+from mptune.summary import Summarised
 
 _MISSING_FILE = "check the path, or let `mptune tune STUDY` write it"
 _MISSING_KEY = "tune or export it again"  # nobody writes a gains file by hand
@@ -36,7 +35,7 @@ def version() -> str:
     return importlib.metadata.version("mptune")
 
 
-class GainsFile(Section):
+class GainsFile(Summarised, Section):
     """What a gains file says."""
 
     study: str = Field(description="name of the study")
@@ -49,6 +48,11 @@ class GainsFile(Section):
     gains: Gains
     feedforward: Feedforward
     figures: dict[str, dict[str, Any]]
+
+    @property
+    def headline(self) -> str:
+        """Study and verdicts."""
+        return f"Gains of {self.study}: margins {self.margins}, closed loop {self.closed_loop}"
 
     def content_hash(self) -> str:
         """Return the hash of all that the file says; it stands in the file as well."""
@@ -65,8 +69,15 @@ def now() -> str:
     return dt.datetime.now(dt.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def write_gains(path: Path, gains: GainsFile) -> Path:
+def write_gains(path: str | Path, gains: GainsFile) -> Path:
     """Write a gains file, whole or not at all.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    gains
+        What it is to say.
 
     Raises
     ------
@@ -93,7 +104,7 @@ def write_gains(path: Path, gains: GainsFile) -> Path:
     return write_whole(path, tomlkit.dumps(document))
 
 
-def read_gains(path: Path, study_hash: str = "") -> GainsFile:
+def read_gains(path: str | Path, study_hash: str = "") -> GainsFile:
     """Read a gains file.
 
     Parameters
@@ -109,6 +120,7 @@ def read_gains(path: Path, study_hash: str = "") -> GainsFile:
         If the file cannot be read, is of a newer format, breaks a rule, was edited, or belongs to
         another study.
     """
+    path = Path(path)
     values = parse_toml(path, read_text(path, _MISSING_FILE))
     GAINS_FORMAT.take(path, values)
     stated = values.pop("content_hash", "")
@@ -135,7 +147,7 @@ def read_gains(path: Path, study_hash: str = "") -> GainsFile:
     return gains
 
 
-def accepted_gains(path: Path, study_hash: str, *, force: bool = False) -> GainsFile:
+def accepted_gains(path: str | Path, study_hash: str, *, force: bool = False) -> GainsFile:
     """Read a gains file as a controller does: with satisfied margins, or on insistence.
 
     Raises

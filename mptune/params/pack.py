@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from mptune.summary import tuple_text
+
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, FloatArray, IntArray
     from mptune.params.controller import Controller, Feedforward, Gains
@@ -44,6 +46,10 @@ class Plants(NamedTuple):
     def followed_by(self, others: Plants) -> Plants:
         """Return these plants and others behind them."""
         return Plants(*(np.concatenate(pair) for pair in zip(self, others, strict=True)))
+
+    def __repr__(self) -> str:
+        """Return shape and range of each field."""
+        return tuple_text(self)
 
 
 class NominalPlant(NamedTuple):

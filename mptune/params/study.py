@@ -16,6 +16,7 @@ from mptune.params.manoeuvre import Manoeuvre, Verification
 from mptune.params.requirements import Objective, Requirements
 from mptune.params.section import Section, refuse
 from mptune.params.uncertainty import Model, Uncertainty, UncertaintySet
+from mptune.summary import Summarised
 
 SOURCE_KINDS = ("published", "derived", "assumed", "measured")
 _LIKE_THIS = 'write sources like "cylinder.bore" = "derived: how"'
@@ -33,7 +34,7 @@ def _of_a_kind(source: str) -> str:
     return source
 
 
-class Study(Section):
+class Study(Summarised, Section):
     """Everything that a study file says, in SI."""
 
     title: str = Field("", description="title for print")
@@ -72,13 +73,18 @@ class Study(Section):
             position += move.net_distance
         return self
 
+    @property
+    def headline(self) -> str:
+        """The title."""
+        return f"Study {self.title}".rstrip()
+
     def source_of(self, key: str) -> str:
         """Return where a value comes from: its own entry, or its section's, or nothing."""
         section = key.rsplit(".", 1)[0]
         return self.sources.get(key) or self.sources.get(section) or ""
 
 
-class ResolvedStudy(Section):
+class ResolvedStudy(Summarised, Section):
     """A study with its uncertainty set chosen, ready for work.
 
     Attributes
@@ -93,6 +99,11 @@ class ResolvedStudy(Section):
     study: Study
     uncertainty: UncertaintySet
     uncertainty_name: str = ""
+
+    @property
+    def headline(self) -> str:
+        """Name and uncertainty set."""
+        return f"Study {self.name}, uncertainty {self.uncertainty_name or 'default'}"
 
     @property
     def title(self) -> str:

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 _TEMPLATE, _EQUATIONS = "report.typ", "equations.typ"
 
 
-def write_pdf(path: Path, document: Mapping[str, Any], figures: Mapping[str, bytes]) -> Path:
+def write_pdf(path: str | Path, document: Mapping[str, Any], figures: Mapping[str, bytes]) -> Path:
     """Write the report, whole or not at all.
 
     Parameters
@@ -45,7 +45,7 @@ def write_pdf(path: Path, document: Mapping[str, Any], figures: Mapping[str, byt
 
 
 def compiled(
-    path: Path,
+    path: str | Path,
     templates: tuple[str, ...],
     files: Mapping[str, bytes],
     kind: Literal["pdf", "svg"],

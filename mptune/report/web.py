@@ -29,7 +29,7 @@ _TAGS = {
 }
 
 
-def write_html(path: Path, document: Mapping[str, Any], figures: Mapping[str, bytes]) -> Path:
+def write_html(path: str | Path, document: Mapping[str, Any], figures: Mapping[str, bytes]) -> Path:
     """Write the report for the browser, whole or not at all.
 
     Parameters

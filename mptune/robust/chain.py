@@ -19,13 +19,15 @@ from mptune.robust.condition import sides
 from mptune.robust.families import stable_plants
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.place import PlantPoint, finite, plant_point
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
     from mptune.arrays import BoolArray
-    from mptune.robust.result import Family, SweepResult
+    from mptune.robust.family import Family
+    from mptune.robust.result import SweepResult
 
 LARGEST, SMALLEST = 64.0, 1 / 64.0  # factors beyond which nothing is searched
 _STEPS = 30  # of a bisection
@@ -34,7 +36,7 @@ _DENSE = 3  # first grids laid into one another: the search does not refine
 
 
 @dataclass(frozen=True)
-class Link:
+class Link(Summarised):
     """One model's answer.
 
     Attributes
@@ -51,6 +53,11 @@ class Link:
     name: str
     factor: float
     at: PlantPoint | None
+
+    @property
+    def headline(self) -> str:
+        """The model and its factor."""
+        return f"{self.name}: {factor_text(self.factor)}"
 
     def json(self) -> dict[str, Any]:
         """Return the link, as JSON has it."""
@@ -95,6 +102,11 @@ def chain(result: SweepResult) -> tuple[Link, ...]:
 
     A finite grid of plants and frequencies can only miss worse ones: every factor errs on the high
     side.
+
+    Parameters
+    ----------
+    result
+        The sweep of the gains asked about.
     """
     links = [_inequalities(result)]
     links += [_family_link(_NAMES[family.path], family, result) for family in result.families]

@@ -10,8 +10,8 @@ from mptune.arrays import FloatArray, frozen
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.sampled import stable_as_sampled
 from mptune.loops.stability import PoleCount, count_unstable_poles
+from mptune.robust.family import Family
 from mptune.robust.margins import Margins, family_margins, sampled_margins
-from mptune.robust.result import Family
 
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, IntArray

@@ -18,6 +18,7 @@ import numpy as np
 from mptune.loops.position import position_error
 from mptune.loops.velocity import error_of_factors
 from mptune.params.pack import Plants
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
 
 
-@dataclass(frozen=True)
-class ForceResponse:
+@dataclass(frozen=True, repr=False)
+class ForceResponse(Summarised):
     """One measured response from force reference to force.
 
     Attributes
@@ -45,6 +46,12 @@ class ForceResponse:
     omega: FloatArray
     response: ComplexArray
     phase: FloatArray | None = None
+
+    @property
+    def headline(self) -> str:
+        """Name and band."""
+        band = f"{self.omega[0]:.4g} … {self.omega[-1]:.4g} rad/s"
+        return f"Measured response {self.name}: {len(self.omega)} points, {band}"
 
     @cached_property
     def _logarithm(self) -> FloatArray:
@@ -109,8 +116,8 @@ def _per_step(error: FloatArray) -> FloatArray:
     return np.asarray(np.maximum(padded[:-1], padded[1:]))
 
 
-@dataclass(frozen=True)
-class Members:
+@dataclass(frozen=True, repr=False)
+class Members(Summarised):
     """Measured responses times masses, the masses running fastest.
 
     Attributes
@@ -126,6 +133,12 @@ class Members:
     responses: tuple[ForceResponse, ...]
     masses: FloatArray
     instead: bool
+
+    @property
+    def headline(self) -> str:
+        """How many members there are, and where they stand."""
+        place = "instead of" if self.instead else "beside"
+        return f"{len(self)} measured members {place} the box"
 
     def __len__(self) -> int:
         """Return R × M."""

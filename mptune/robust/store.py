@@ -98,7 +98,7 @@ def _attributes(result: SweepResult) -> dict[str, str]:
     }
 
 
-def write_sweep(path: Path, result: SweepResult) -> Path:
+def write_sweep(path: str | Path, result: SweepResult) -> Path:
     """Write a sweep as NetCDF, whole or not at all.
 
     Raises

@@ -14,7 +14,7 @@ from mptune.robust.condition import Sides
 from mptune.robust.families import as_sampled, true_family
 from mptune.robust.grid import first_grid, frequency_range, refinement
 from mptune.robust.model import PATHS, LinearModel
-from mptune.robust.result import Condition, Family, Status, SweepResult
+from mptune.robust.result import Condition, Status, SweepResult
 from mptune.robust.verdict import allowed_ratio, check_requirements
 
 if TYPE_CHECKING:
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mptune.params.pack import LoopGains
     from mptune.params.requirements import RatioCurve
     from mptune.params.study import ResolvedStudy
+    from mptune.robust.family import Family
 
 CONVERGED = 1e-4  # relative change of the worst ratio between refinements
 _NARROW = 1e-3  # of the frequency: a maximum is bracketed at least so closely

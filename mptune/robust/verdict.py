@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.loops.broken import FORCE
-from mptune.robust.result import Check, Condition, Family, Status
+from mptune.robust.result import Check, Condition, Status
 from mptune.robust.tables import EQUATIONS
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.params.requirements import RatioCurve, Requirements
+    from mptune.robust.family import Family
 
 
 _MARGIN_CHECKS = (  # key of the requirement, family that it holds for, margin
@@ -71,7 +72,8 @@ def check_requirements(
     if requirements.noise_gain is not None:
         met = noise <= requirements.noise_gain
         status = Status.SATISFIED if met else Status.VIOLATED
-        checks.append(Check("noise_gain", f"≤ {requirements.noise_gain:.4g}", noise, status, None))
+        limit = f"≤ {requirements.noise_gain:.4g}"
+        checks.append(Check("noise_gain", "noise_gain", limit, noise, status, None))
     return tuple(checks)
 
 
@@ -80,8 +82,9 @@ def _ratio_check(condition: Condition, limit: float | RatioCurve) -> Check:
         text, found, at = f"≤ {limit:g}", condition.worst_ratio, condition.at
     else:
         text, found, at = "≤ 1 of the curve", condition.worst_use, condition.worst_use_at
-    name = f"{condition.name}_ratio ({EQUATIONS[condition.name]})"
-    return Check(name, text, found, condition.status, at)
+    key = f"{condition.name}_ratio"
+    label = f"{key} ({EQUATIONS[condition.name]})"
+    return Check(key, label, text, found, condition.status, at)
 
 
 def _stability_check(true: Family) -> Check:
@@ -90,16 +93,17 @@ def _stability_check(true: Family) -> Check:
         status = Status.UNDECIDED
     else:
         status = Status.UNSTABLE if count else Status.SATISFIED
-    return Check("unstable plants of the true family", "= 0", count, status, true.first_unstable())
+    label = "unstable plants of the true family"
+    return Check("unstable_plants", label, "= 0", count, status, true.first_unstable())
 
 
-def _margin_check(family: Family | None, name: str, margin: str, limit: float) -> Check:
+def _margin_check(family: Family | None, key: str, margin: str, limit: float) -> Check:
     least = margin == "gain_margin"
     text = f"{'≥' if least else '≤'} {limit:g}"
     if family is None:
-        return Check(name, text, float("nan"), Status.NOT_EVALUATED, None)
+        return Check(key, key, text, float("nan"), Status.NOT_EVALUATED, None)
     found, at = family.worst(margin, FORCE)
     if np.isnan(found):
-        return Check(name, text, found, Status.UNSTABLE, family.first_unstable())
+        return Check(key, key, text, found, Status.UNSTABLE, family.first_unstable())
     met = found >= limit if least else found <= limit
-    return Check(name, text, found, Status.SATISFIED if met else Status.VIOLATED, at)
+    return Check(key, key, text, found, Status.SATISFIED if met else Status.VIOLATED, at)

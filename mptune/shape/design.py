@@ -2,10 +2,9 @@
 
 ::
 
-    from mptune.shape import structure
-    from mptune.shape.design import design
+    from mptune import design, pi_structure
 
-    found = design(lambda s: 1 / (s + 1) ** 3, structure.pi(), maximise="k_i", sensitivity_peak=1.4)
+    found = design(lambda s: 1 / (s + 1) ** 3, pi_structure(), maximise="k_i", sensitivity_peak=1.4)
     found.gains  # {"k_p": 0.63, "k_i": 0.325}
 """
 
@@ -17,6 +16,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from mptune.errors import Fault, InputError
+from mptune.interop import frequency_response, transfer_function
 from mptune.shape.problem import (
     Function,
     Loops,
@@ -28,9 +28,13 @@ from mptune.shape.problem import (
 from mptune.shape.responses import Response, between, own_range, response_of
 from mptune.shape.shaping import Shaped, shape_loop
 from mptune.shape.turns import SampledStability
+from mptune.strict import strict
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
+
+    from control import FrequencyResponseData, TransferFunction
 
     from mptune.arrays import ComplexArray, FloatArray
     from mptune.shape.problem import Curve, Objective, Requirement
@@ -41,8 +45,8 @@ _WIDENINGS = 4  # by a decade each
 _SETTLED = 0.1  # of |L| at the upper end, and of |S| − 1 at the lower
 
 
-@dataclass(frozen=True)
-class Design:
+@dataclass(frozen=True, repr=False)
+class Design(Summarised):
     """A designed controller.
 
     Attributes
@@ -61,6 +65,34 @@ class Design:
     gains: dict[str, float]
     shaped: Shaped
     omega: FloatArray
+
+    @property
+    def headline(self) -> str:
+        """The status, and the parameters."""
+        found = ", ".join(f"{name} {value:.6g}" for name, value in self.gains.items())
+        return f"Design: {self.shaped.status}, {found}"
+
+    def json(self) -> dict[str, Any]:
+        """Return parameters, status and requirements."""
+        return strict({"gains": self.gains, **self.shaped.json()})
+
+    def to_control(self) -> TransferFunction | FrequencyResponseData:
+        """Return the controller as python-control's object.
+
+        A transfer function where the structure's functions are fractions, as in all of mptune's
+        own; its frequency response at ``omega`` where they are functions of the user's, whose dead
+        time, if any, a transfer function could only approximate.
+
+        Raises
+        ------
+        InputError
+            If python-control is not installed.
+        """
+        x = self.shaped.parameters
+        if self.structure.denominator:
+            return transfer_function(*self.structure.fraction(x), "controller")
+        values = self.structure.controller(x, self.omega)
+        return frequency_response(values, self.omega, "controller")
 
 
 def design(
@@ -89,7 +121,8 @@ def design(
         The nominal plant: values ``(F,)`` at ``omega``, a function of s, or a continuous-time
         FrequencyResponseData, TransferFunction or StateSpace object of python-control.
     structure
-        The controller: ``mptune.shape.structure`` has P, PI, PID, Eq. 22, and takes any basis.
+        The controller: ``mptune.pi_structure`` and others beside it make P, PI, PID and Eq. 22,
+        ``mptune.structure_of`` one of any functions.
     omega
         Frequencies [rad/s]; for functions found from the nominal plant where None.
     maximise

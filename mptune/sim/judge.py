@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable
 
     from mptune.arrays import FloatArray
-    from mptune.sim.record import Record
+    from mptune.sim.record import RunRecord
 
 _DEVIATION = 0.2  # of the peak reference velocity: a larger one counts as a swing
 _PERIOD = 0.25  # s: swings further apart are no oscillation
@@ -55,7 +55,7 @@ class SetFigures:
     saturated_s: float  # time with the force reference at its limit
 
 
-def set_figures(record: Record) -> SetFigures:
+def set_figures(record: RunRecord) -> SetFigures:
     """Return the figures of one movement set."""
     tick, travel = record.sample_time, 1e3 * record.travel
     last = np.clip(np.rint(record.ends / tick).astype(np.int64) - 1, 0, len(record.position) - 1)

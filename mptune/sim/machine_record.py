@@ -8,7 +8,7 @@ import numpy as np
 
 from mptune.plant import machine as plant
 from mptune.sim import closed_loop as loop
-from mptune.sim.record import BrokenLimit, Energies, Record
+from mptune.sim.record import BrokenLimit, Energies, RunRecord
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
@@ -28,7 +28,7 @@ def record_of(
     tick: float,
     force_limits: tuple[float, float],
     begin: float = 0.0,
-) -> Record:
+) -> RunRecord:
     """Return the record of one movement set; it looks at the trace and does not copy it.
 
     Parameters
@@ -53,7 +53,7 @@ def record_of(
     with np.errstate(invalid="ignore", over="ignore"):  # of a run that left the numbers
         force = machine.area_a * trace[:, loop.CHAMBER_A]
         force = force - machine.area_b * trace[:, loop.CHAMBER_B]
-    return Record(
+    return RunRecord(
         sample_time=tick,
         position_reference=trace[:, loop.X_REF],
         velocity_reference=trace[:, loop.V_REF],

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import frozen
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -71,8 +72,8 @@ class BrokenLimit(NamedTuple):
     at: float  # s, since the run began
 
 
-@dataclass(frozen=True)
-class Record:
+@dataclass(frozen=True, repr=False)
+class RunRecord(Summarised):
     """One movement set of one load.
 
     Attributes
@@ -126,6 +127,15 @@ class Record:
             value = getattr(self, field.name)
             if isinstance(value, np.ndarray):
                 object.__setattr__(self, field.name, frozen(value.view()))
+
+    @property
+    def headline(self) -> str:
+        """How long the set lasts, and what it cost."""
+        energies = self.energies
+        return (
+            f"Record of {self.sample_time * len(self.position):g} s, {1e3 * self.travel:g} mm of "
+            f"travel: {energies.loss:.4g} J lost, {self.switches} switches"
+        )
 
     @property
     def time(self) -> FloatArray:

@@ -9,11 +9,12 @@ so cancels; dead zone and stop logic, which are not linear, are left out.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from mptune.arrays import FloatArray, frozen, kernel
+from mptune.interop import Drawn
 from mptune.loops.family import time_constants_at
 from mptune.params.pack import Plant, pack_feedforward, pack_filters, pack_gains
 from mptune.signals.differentiator import WEIGHTS, differentiated, remember
@@ -29,8 +30,14 @@ from mptune.signals.trajectory import reference
 from mptune.sim.judge import performance_index
 from mptune.sim.linear_machine import move_on, stride_of
 from mptune.sim.moves import moves_of
+from mptune.strict import strict
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import pandas as pd
+
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.pack import FeedforwardTuple, LoopGains, MeasurementPath
     from mptune.params.study import ResolvedStudy
@@ -38,8 +45,8 @@ if TYPE_CHECKING:
 _DIVERGED = 20.0  # times the longest move
 
 
-@dataclass(frozen=True)
-class LinearMove:
+@dataclass(frozen=True, repr=False)
+class LinearMove(Summarised, Drawn):
     """One machine's movement set under the sampled linear controller.
 
     Attributes
@@ -53,6 +60,8 @@ class LinearMove:
     time, reference, position, velocity, force
         ``(T,)`` traces at T_S,fast in SI; ``force`` is F_ref.
     """
+
+    drawings: ClassVar[Mapping[str, str]] = {"moves": "mptune.figures.moves:move_traces"}
 
     mass_kg: float
     valve_delay_s: float
@@ -70,6 +79,42 @@ class LinearMove:
         """Performance index [ms]; infinite where the loop is not stable."""
         return self.performance_index_ms if self.stable else float("inf")
 
+    @property
+    def headline(self) -> str:
+        """The machine and its index."""
+        index = f"index {self.performance_index_ms:.4g} ms" if self.stable else "not stable"
+        return (
+            f"Linear move of {self.mass_kg / 1e3:g} t, oil {self.oil_bulk_modulus_pa / 1e6:g} MPa, "
+            f"valve delay {1e3 * self.valve_delay_s:g} ms: {index}"
+        )
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        return ((self,),)
+
+    def json(self) -> dict[str, Any]:
+        """Return machine and verdict, traces left out; the index keeps §7's unit."""
+        return strict(
+            {
+                "mass_kg": self.mass_kg,
+                "valve_delay_s": self.valve_delay_s,
+                "oil_bulk_modulus_pa": self.oil_bulk_modulus_pa,
+                "stable": self.stable,
+                "performance_index_ms": self.performance_index_ms,
+            }
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the traces in SI, units in the columns, over time [s]."""
+        import pandas as pd
+
+        columns = {
+            "reference_m": self.reference,
+            "position_m": self.position,
+            "velocity_m_s": self.velocity,
+            "force_n": self.force,
+        }
+        return pd.DataFrame(columns, pd.Index(self.time, name="time_s"))
+
 
 def linear_moves(
     study: ResolvedStudy, gains: Gains | None = None, feedforward: Feedforward | None = None
@@ -77,6 +122,13 @@ def linear_moves(
     """Run the study's movement set on each of its verification machines, linear.
 
     The time constants of pressure follow from Eq. 4 and Eq. 12 at the start position.
+
+    Parameters
+    ----------
+    study
+        The study.
+    gains, feedforward
+        What controls the machines; the study's own where None.
     """
     machine = study.study
     gains = gains or machine.gains

@@ -189,4 +189,4 @@ def _sweep_blocking(judged: SweepResult) -> Blocking:
     remedy = _REMEDIES.get(
         check.status, f"the best gains found reach {check.found:.3g} where {check.limit} is asked"
     )
-    return Blocking(check.name, check.found, check.at, remedy)
+    return Blocking(check.label, check.found, check.at, remedy)

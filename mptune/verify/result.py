@@ -2,22 +2,28 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from mptune.robust.place import finite
+from mptune.interop import Drawn, Labelled, to_pandas
 from mptune.sim.judge import worst_per_mass
 from mptune.sim.merit import MERITS, merit
+from mptune.strict import strict
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import pandas as pd
+
     from mptune.arrays import FloatArray
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.study import ResolvedStudy
     from mptune.sim.judge import SetFigures
-    from mptune.sim.record import Record
+    from mptune.sim.record import RunRecord
 
 _INDEX = "performance_index_ms"
 
@@ -32,8 +38,8 @@ class CaseStatus(StrEnum):
     NOT_FINITE = "not finite"  # the simulation left the numbers that it can hold
 
 
-@dataclass(frozen=True)
-class CaseResult:
+@dataclass(frozen=True, repr=False)
+class CaseResult(Summarised):
     """One machine's verification.
 
     Attributes
@@ -57,8 +63,24 @@ class CaseResult:
     broken: str
     broken_at_s: float
     sets: tuple[SetFigures, ...]
-    record: Record
+    record: RunRecord
     traces: FloatArray
+
+    @property
+    def headline(self) -> str:
+        """The machine, its status and its index."""
+        index = self.mean(_INDEX)
+        return (
+            f"{self.mass_kg / 1e3:g} t, oil {self.oil_bulk_modulus_pa / 1e6:g} MPa, "
+            f"load {self.load_force_n / 1e3:g} kN, seed {self.seed}: {self.status}, "
+            f"index {index:.4g} ms"
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return one row per movement set, in §7's units."""
+        import pandas as pd
+
+        return pd.DataFrame([asdict(one) for one in self.sets])
 
     @property
     def stable(self) -> bool:
@@ -86,30 +108,48 @@ class CaseResult:
 
     def json(self) -> dict[str, Any]:
         """Return the case; figures keep §7's units, and what there is none of is None."""
-        return {
-            "mass_kg": self.mass_kg,
-            "valve_delay_s": sum(self.valve_delay_s) / 2,
-            "valve_delay_range_s": list(self.valve_delay_s),
-            "oil_bulk_modulus_pa": self.oil_bulk_modulus_pa,
-            "load_force_n": self.load_force_n,
-            "seed": self.seed,
-            "stable": self.stable,
-            "status": self.status.value,
-            "broken": self.broken or None,
-            "broken_at_s": finite(self.broken_at_s),
-            **{one.key: finite(self.figure(one.key)) for one in MERITS},
-            "performance_index_range_ms": [finite(end) for end in self.span(_INDEX)],
-        }
+        return strict(
+            {
+                "mass_kg": self.mass_kg,
+                "valve_delay_s": sum(self.valve_delay_s) / 2,
+                "valve_delay_range_s": self.valve_delay_s,
+                "oil_bulk_modulus_pa": self.oil_bulk_modulus_pa,
+                "load_force_n": self.load_force_n,
+                "seed": self.seed,
+                "stable": self.stable,
+                "status": self.status.value,
+                "broken": self.broken or None,
+                "broken_at_s": self.broken_at_s,
+                **{one.key: self.figure(one.key) for one in MERITS},
+                "performance_index_range_ms": self.span(_INDEX),
+            }
+        )
 
 
-@dataclass(frozen=True)
-class VerifyResult:
+@dataclass(frozen=True, repr=False)
+class VerifyResult(Summarised, Drawn, Labelled):
     """Every machine's verification with one set of gains."""
+
+    drawings: ClassVar[Mapping[str, str]] = {"traces": "mptune.figures.machine:machine_traces"}
+    dataset: ClassVar[str] = "mptune.verify.store:to_dataset"
 
     study: ResolvedStudy
     gains: Gains
     feedforward: Feedforward
     cases: tuple[CaseResult, ...]
+
+    @property
+    def headline(self) -> str:
+        """Study, and how many machines are stable."""
+        stable = sum(case.stable for case in self.cases)
+        return f"Verification of {self.study.name}: {stable} of {len(self.cases)} machines stable"
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        return (max(self.worst_per_mass(), key=lambda case: case.badness),)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return one row per machine, columns as in JSON."""
+        return to_pandas(self.cases)
 
     @property
     def satisfied(self) -> bool:

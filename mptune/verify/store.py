@@ -68,7 +68,7 @@ def to_dataset(result: VerifyResult) -> xr.Dataset:
     return xr.Dataset(data, coordinates, attributes)
 
 
-def write_traces(path: Path, result: VerifyResult) -> Path:
+def write_traces(path: str | Path, result: VerifyResult) -> Path:
     """Write the traces as NetCDF, whole or not at all.
 
     Raises

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.summary import Summarised
 from mptune.weigh.trial import OBJECTIVES, Trial, limits_of
 
 if TYPE_CHECKING:
@@ -24,8 +25,8 @@ _CLEARLY = 2.0  # spreads by which a figure is clearly better
 _ENOUGH = 10.0  # spreads beyond which better counts no more
 
 
-@dataclass(frozen=True)
-class Recommendation:
+@dataclass(frozen=True, repr=False)
+class Recommendation(Summarised):
     """What to take, and why.
 
     Attributes
@@ -45,6 +46,11 @@ class Recommendation:
     spreads: FloatArray
     reason: str
     dominates: bool = False
+
+    @property
+    def headline(self) -> str:
+        """The weights to take, and why."""
+        return f"{self.trial.headline}; {self.reason}"
 
 
 def front(trials: Sequence[Trial], limits: Limits) -> tuple[int, ...]:

@@ -1,11 +1,14 @@
-"""The public names: each is what it says, however often and after whatever import."""
+"""The public names: each is what it says, and nothing public speaks of what is not."""
 
 import importlib
 import pkgutil
 
 import pytest
+from architecture import surface
 
 import mptune
+
+FUNCTIONS, CLASSES = surface.functions(), surface.classes()
 
 
 @pytest.mark.parametrize("name", mptune.__all__)
@@ -26,3 +29,15 @@ def test_unknown_name_is_an_attribute_error():
 def test_public_names_are_listed_once_and_in_order():
     assert sorted(mptune.__all__) == sorted(mptune._HOMES)
     assert dir(mptune) == sorted(mptune.__all__)
+    assert len(set(mptune._HOMES.values())) == len(mptune._HOMES)
+
+
+@pytest.mark.parametrize("name", [*FUNCTIONS, *CLASSES])
+def test_annotations_name_public_types_only(name):
+    known = set(CLASSES.values())
+    hidden = {
+        kind
+        for kind in surface.named_types(surface.public()[name])
+        if kind not in known and not surface.is_section(kind)
+    }
+    assert not hidden, f"{name} names {hidden}"

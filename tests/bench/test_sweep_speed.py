@@ -9,14 +9,12 @@ import control
 import numpy as np
 import pytest
 
-from mptune.loops.family import plants_of
-from mptune.params.pack import NO_PATH, pack_gains, pack_nominal
-from mptune.robust.condition import sides
+from mptune.robust.model import LinearModel
 
 pytestmark = pytest.mark.bench
 
 
-def control_sides(omega, plants, nominal, share_a, gains):
+def control_sides(omega, plants, nominal, gains):
     """Return the largest left/right ratios of both conditions, with python-control objects."""
     s = control.tf("s")
     g_v = gains.k_p_vel
@@ -29,7 +27,7 @@ def control_sides(omega, plants, nominal, share_a, gains):
     right = [np.abs((1 + g_n * g_v) / (g_n * g_v))]
     right.append(np.abs((1 + n_pos * controller) / (n_pos * controller)))
     worst = np.zeros(2)
-    for mass, delay, tau_a, tau_b in zip(*plants, strict=True):
+    for mass, delay, tau_a, tau_b, share_a in zip(*plants, strict=True):
         lead = tau_b * share_a + tau_a * (1 - share_a)
         plant = (lead * s + 1) / ((tau_a * s + 1) * (tau_b * s + 1) * mass * s)
         g_t = plant(jw) * np.exp(-jw * delay)
@@ -40,12 +38,10 @@ def control_sides(omega, plants, nominal, share_a, gains):
 
 
 def test_sweep_is_at_least_200_times_faster_than_control_objects(boom):
-    plants, nominal, gains = plants_of(boom), pack_nominal(boom), pack_gains(boom.study.gains)
-    share_a = boom.study.cylinder.share_a
-    omega = np.geomspace(0.1, 1000, 400)
+    model, omega = LinearModel.of(boom), np.geomspace(0.1, 1000, 400)
 
     def fast():
-        return sides(omega, plants, nominal, share_a, gains, NO_PATH)
+        return model.sides(omega, model.gains)
 
     fast()  # compile, or load from the cache
     times = []
@@ -54,12 +50,13 @@ def test_sweep_is_at_least_200_times_faster_than_control_objects(boom):
         found = fast()
         times.append(time.perf_counter() - start)
     start = time.perf_counter()
-    slow = control_sides(omega, plants, nominal, share_a, gains)
+    slow = control_sides(omega, model.plants, model.nominal, model.gains)
     slow_time = time.perf_counter() - start
     fast_time = float(np.median(times))
     print(
-        f"\n{len(plants.mass)} plants x {len(omega)} frequencies: python-control {slow_time:.2f} s,"
-        f" mptune {1e3 * fast_time:.1f} ms, {slow_time / fast_time:.0f} times faster"
+        f"\n{model.plants.number} plants x {len(omega)} frequencies: "
+        f"python-control {slow_time:.2f} s, mptune {1e3 * fast_time:.1f} ms, "
+        f"{slow_time / fast_time:.0f} times faster"
     )
     np.testing.assert_allclose(found.ratio.max(axis=1), slow, rtol=1e-9)
     assert slow_time / fast_time >= 200

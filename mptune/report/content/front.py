@@ -91,7 +91,7 @@ def _warnings(results: Results) -> list[str]:
         if filtered and results.study.study.model.measurement_path == "none":
             found[-1] += " Eq. 17 and Eq. 21 as stated leave that path out."
     found += [
-        f"{check.name} {check.limit}: cannot be evaluated, as some total delay is below half a "
+        f"{check.label} {check.limit}: cannot be evaluated, as some total delay is below half a "
         "sampling period."
         for check in results.sweep.checks
         if check.status is Status.NOT_EVALUATED
@@ -127,7 +127,7 @@ def _requirements(results: Results) -> list[Block]:
 
 def _requirement(check: Check) -> list[str | Cell]:
     return [
-        check.name,
+        check.label,
         check.limit,
         number(check.found),
         verdict(check.status.value, good=check.status is Status.SATISFIED),

@@ -21,6 +21,12 @@ from mptune.tune.baselines import LABELS
 if TYPE_CHECKING:
     from mptune.report.results import Results
 
+_FORMS = (
+    ("tracking_index_s", 1e3, ".2f"),
+    ("k_i_pos", 1.0, ".3g"),
+    ("load_step_m_per_n", 1e6, ".3g"),
+    ("bandwidth_rad_s", 1.0, ".3g"),
+)
 _FIGURES = ("Index\n[ms]", "K_I,pos\n[1/s²]", "Load step\n[mm/kN]", "Bandwidth\n[rad/s]")
 
 
@@ -73,10 +79,10 @@ def front(results: Results) -> dict[str, Any] | None:
     )
 
 
-def _figures(figures: dict[str, float]) -> list[str]:
-    return [
-        f"{1e3 * figures['tracking_index_s']:.2f}",
-        f"{figures['k_i_pos']:.3g}",
-        f"{1e6 * figures['load_step_m_per_n']:.3g}",
-        f"{figures['bandwidth_rad_s']:.3g}",
-    ]
+def _figures(figures: dict[str, float | None]) -> list[str]:
+    """Return the cells; a dash where a figure is not finite, as of a loop that runs away."""
+    cells = []
+    for key, factor, form in _FORMS:
+        value = figures[key]
+        cells.append("—" if value is None else f"{factor * value:{form}}")
+    return cells

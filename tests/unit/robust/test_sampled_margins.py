@@ -115,7 +115,7 @@ def test_at_the_gain_margin_a_multiplier_lies_on_the_circle(plant, gains):
 
 
 def check_of(result, name):
-    (check,) = [check for check in result.checks if check.name == name]
+    (check,) = [check for check in result.checks if check.key == name]
     return check
 
 

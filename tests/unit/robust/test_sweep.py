@@ -147,7 +147,7 @@ def test_every_requirement_of_the_study_is_answered(load_boom):
     }
     overrides = [f"requirements.{key}={value}" for key, value in wanted.items()]
     result = sweep(load_boom(*overrides, corners=True))
-    names = " ".join(check.name for check in result.checks)
+    names = " ".join(check.key for check in result.checks)
     for key in (*wanted, "velocity_ratio", "position_ratio"):
         assert key in names
 
@@ -155,7 +155,7 @@ def test_every_requirement_of_the_study_is_answered(load_boom):
 def test_a_peak_requirement_is_held_against_the_family(load_boom):
     for limit, status in (("5.0", Status.SATISFIED), ("4.5", Status.VIOLATED)):
         result = sweep(load_boom(f"requirements.sensitivity_peak={limit}", corners=True))
-        (check,) = [check for check in result.checks if check.name == "sensitivity_peak"]
+        (check,) = [check for check in result.checks if check.key == "sensitivity_peak"]
         assert round(check.found, 2) == 4.81
         assert check.status is status
 

@@ -8,7 +8,7 @@ from mptune.sim import closed_loop as loop
 from mptune.sim.judge import longest_oscillation, set_figures, worst_per_mass
 from mptune.sim.machine_record import broken_limits, record_of
 from mptune.sim.moves import Moves
-from mptune.sim.record import Energies, Record
+from mptune.sim.record import Energies, RunRecord
 
 TICK = 5e-4
 # 50 mm out and back, 0.6 s each with rests of 0.4 s.
@@ -117,7 +117,7 @@ def servo(**changes):
         "travel": 0.05,
         "energies": Energies(900.0, 700.0, -50.0, 100.0, {"valve": 500.0, "leakage": 50.0}),
     }
-    return Record(**{**plain, **changes})
+    return RunRecord(**{**plain, **changes})
 
 
 def test_a_load_is_judged_whatever_moves_it():

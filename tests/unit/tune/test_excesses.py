@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mptune.params.load import load_study
 from mptune.params.pack import Plants
 from mptune.robust.model import LinearModel
 from mptune.robust.sweep import sweep
@@ -53,7 +52,7 @@ def test_worst_excesses_are_the_sweeps_figures_over_the_limits(load_boom, name, 
     gains = model.gains._replace(**GAINS[name])
     own = study.study.gains.model_copy(update=GAINS[name])
     swept = sweep(study, own)
-    checks = {check.name.split(" ")[0]: check for check in swept.checks}
+    checks = {check.key: check for check in swept.checks}
     for one in required.worst(gains):
         check, limit = checks[one.requirement], LIMITS[one.requirement]
         over = check.found / limit if one.requirement != "gain_margin" else limit / check.found
@@ -149,29 +148,13 @@ def test_short_delays_leave_no_sampled_loop_to_ask(load_boom):
 
 
 @pytest.fixture
-def measured(study_file, tmp_path):
+def measured(load_measured):
     """Return the boom study with one measured force response: slow, within a band."""
 
     def study(delay, *overrides, place="beside", low=0.05, high=600.0):
         omega = np.geomspace(low, high, 400)
         force = np.exp(-1j * omega * delay) / (1 + 1j * omega * 0.012)
-        lines = ["frequency [rad/s],real,imaginary"]
-        lines += [
-            f"{w!r},{g.real!r},{g.imag!r}"
-            for w, g in zip(omega.tolist(), force.tolist(), strict=True)
-        ]
-        (tmp_path / "rig.csv").write_text("\n".join(lines) + "\n", encoding="utf-8")
-        path = tmp_path / "study.toml"
-        path.write_text(study_file.read_text(encoding="utf-8"), encoding="utf-8")
-        return load_study(
-            path,
-            [
-                'uncertainty.measured=["rig.csv"]',
-                f'uncertainty.measured_place="{place}"',
-                "uncertainty.points=2",
-                *overrides,
-            ],
-        )
+        return load_measured(omega, force, *overrides, place=place)
 
     return study
 
@@ -218,9 +201,9 @@ def test_a_measured_member_that_stands_in_the_way_is_named(measured):
 
 
 def test_undecided_stability_is_said_not_a_figure_that_is_kept(measured):
-    """Steps in which the phase turns by more than 90° leave the encirclements open."""
+    """A band that ends before the loop is small leaves the encirclements open."""
     from mptune.tune.tuner import tune
 
-    found = tune(measured(0.024, high=3000.0))
+    found = tune(measured(0.024, high=30.0))
     assert found.status.value == "infeasible"
     assert "undecided" in found.blocking.remedy
