@@ -13,7 +13,7 @@ import numba
 import numpy as np
 import pytest
 import tomlkit
-from hypothesis import settings
+from hypothesis import Phase, settings
 
 from mptune.params.load import load_study
 from mptune.robust.sweep import sweep
@@ -21,6 +21,8 @@ from mptune.robust.sweep import sweep
 EXAMPLES = 8 if numba.config.DISABLE_JIT else 50
 settings.register_profile("repeatable", deadline=None, derandomize=True, max_examples=EXAMPLES)
 settings.register_profile("explore", deadline=None, max_examples=200)
+UNSHRUNK = (Phase.explicit, Phase.generate)  # that an example fails is all that mutants ask
+settings.register_profile("unshrunk", settings.get_profile("repeatable"), phases=UNSHRUNK)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 ROOT = Path(__file__).parents[1]

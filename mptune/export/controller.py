@@ -22,7 +22,7 @@ WARNING = (
 
 
 @dataclass(frozen=True)
-class Controller:
+class TargetController:
     """A controller ready to be written in any format.
 
     Attributes

@@ -13,14 +13,14 @@ from mptune.params.format import CONTROLLER_FORMAT, FORMAT_KEY
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mptune.export.controller import Controller
+    from mptune.export.controller import TargetController
 
 _TITLE = (
     "A controller in SI units, written by mptune. Do not edit: the margins hold for it as it is."
 )
 
 
-def as_toml(controller: Controller) -> str:
+def as_toml(controller: TargetController) -> str:
     """Return the controller as TOML: a table for each section, unit and meaning in comments."""
     document = tomlkit.document()
     for line in controller.heading(_TITLE):
@@ -38,7 +38,7 @@ def as_toml(controller: Controller) -> str:
     return tomlkit.dumps(document)
 
 
-def as_json(controller: Controller) -> str:
+def as_json(controller: TargetController) -> str:
     """Return the controller as JSON: each number with value, unit and meaning."""
     values: dict[str, Any] = {"title": _TITLE, FORMAT_KEY: CONTROLLER_FORMAT}
     if not controller.trusted:
@@ -52,7 +52,7 @@ def as_json(controller: Controller) -> str:
     return json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def _verdict(controller: Controller) -> dict[str, Any]:
+def _verdict(controller: TargetController) -> dict[str, Any]:
     """Return the verdicts; TOML has no word for what could not be found, so it is left out."""
     requirements = [
         {key: value for key, value in one.items() if value is not None}
@@ -68,7 +68,7 @@ def _verdict(controller: Controller) -> dict[str, Any]:
 
 
 def _sections(
-    controller: Controller,
+    controller: TargetController,
 ) -> Iterator[tuple[str, list[tuple[str, float, str, str]]]]:
     for section in (controller.gains, controller.feedforward):
         yield (

@@ -10,8 +10,8 @@ from mptune.errors import Fault, InputError
 from mptune.export.as_written import rounded_section, written_gains
 from mptune.export.c_source import c_sources
 from mptune.export.constants import controller_numbers
-from mptune.export.controller import Controller
-from mptune.export.formats import Format, Precision
+from mptune.export.controller import TargetController
+from mptune.export.formats import Precision, Target
 from mptune.export.margins import written_margins
 from mptune.export.table import as_json, as_toml
 from mptune.files import make_folder, write_whole
@@ -39,7 +39,7 @@ class ExportResult:
         What was written; nothing where writing breaks a requirement that held before.
     """
 
-    controller: Controller
+    controller: TargetController
     files: tuple[Path, ...]
 
     @property
@@ -66,7 +66,7 @@ class ExportResult:
 
 def export(
     gains: str | Path,
-    to: Format,
+    to: Target,
     out: str | Path,
     *,
     study: str | Path | None = None,
@@ -151,28 +151,28 @@ def find_study(gains: str | Path, name: str) -> Path:
 
 def prepare(
     study: ResolvedStudy, source: GainsFile, precision: Precision, digits: int | None = None
-) -> Controller:
+) -> TargetController:
     """Return the controller as it will be written, its margins computed for those very numbers."""
     gains = rounded_section(source.gains, digits)
     feedforward = rounded_section(source.feedforward, digits)
     numbers = controller_numbers(study, gains, feedforward, precision)
     margins = written_margins(study, source.gains, written_gains(numbers, gains))
-    return Controller(study, source, gains, feedforward, numbers, margins, now())
+    return TargetController(study, source, gains, feedforward, numbers, margins, now())
 
 
-def _write(controller: Controller, to: Format, folder: Path) -> tuple[Path, ...]:
-    if to is Format.FMU:
+def _write(controller: TargetController, to: Target, folder: Path) -> tuple[Path, ...]:
+    if to is Target.FMU:
         from mptune.export.fmu import write_units
 
         return write_units(controller, folder)
-    if to is Format.C:
+    if to is Target.C:
         place = make_folder(folder / "c")
         return tuple(
             write_whole(place / name, text) for name, text in c_sources(controller).items()
         )
-    if to is Format.ST:
+    if to is Target.ST:
         from mptune.export.structured_text import structured_text
 
         return (write_whole(folder / "controller.st", structured_text(controller)),)
-    text = as_toml(controller) if to is Format.TOML else as_json(controller)
+    text = as_toml(controller) if to is Target.TOML else as_json(controller)
     return (write_whole(folder / f"controller.{to}", text),)

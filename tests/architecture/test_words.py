@@ -58,6 +58,7 @@ PROMISED_KEYS = {
 NUMBERS_OF_THEIR_OWN = {
     "Load.table",
     "Manoeuvre.samples",
+    "MeasuredResponse.phases",
     "MeasuredResponse.rows",
     "Requirements.velocity_ratio",
     "Requirements.position_ratio",

@@ -54,8 +54,8 @@ def test_sweep_is_at_least_200_times_faster_than_control_objects(boom):
     slow_time = time.perf_counter() - start
     fast_time = float(np.median(times))
     print(
-        f"\n{model.plants.number} plants x {len(omega)} frequencies: python-control "
-        f"{slow_time:.2f} s, mptune {1e3 * fast_time:.1f} ms, "
+        f"\n{model.plants.number} plants x {len(omega)} frequencies: "
+        f"python-control {slow_time:.2f} s, mptune {1e3 * fast_time:.1f} ms, "
         f"{slow_time / fast_time:.0f} times faster"
     )
     np.testing.assert_allclose(found.ratio.max(axis=1), slow, rtol=1e-9)

@@ -25,7 +25,7 @@ from mptune.loops.sampled import (
 )
 from mptune.params.pack import FeedforwardTuple, LoopGains, MeasurementPath, Plant, Plants
 from mptune.signals.trajectory import quintic
-from mptune.sim.sampled import SampledPlant, run_linear
+from mptune.sim.sampled import run_linear
 
 PERIOD, FAST, SHARE_A = 0.01, 0.0005, 4 / 7
 PATH = MeasurementPath(FAST, float(np.exp(-FAST / 0.012)), 0.012)
@@ -255,7 +255,7 @@ def test_the_stability_limit_is_where_the_simulated_movement_begins_to_grow(name
 
     def swings(factor):
         gains = GAINS._replace(k_p_vel=factor * GAINS.k_p_vel)
-        one = SampledPlant(*plant, SHARE_A)
+        one = with_hold(plant)
         reference, position, *_ = run_linear(one, gains, PATH, PERIOD, move, plain, ticks)
         error = np.abs(reference - position)
         early, late = error[20_000:25_000].max(), error[55_000:].max()

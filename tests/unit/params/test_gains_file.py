@@ -13,7 +13,7 @@ from hypothesis import strategies as st
 from mptune.errors import InputError, OutputError
 from mptune.params.controller import Feedforward
 from mptune.params.format import GAINS_FORMAT
-from mptune.params.gains import GainsFile, now, read_gains, write_gains
+from mptune.params.gains import GainsFile, accepted_gains, now, read_gains, write_gains
 
 HASH = "a" * 64
 EARLY = f"""\
@@ -236,3 +236,23 @@ def test_gains_that_cannot_be_written_are_an_output_error(tmp_path):
     (tmp_path / "file").write_text("x")
     with pytest.raises(OutputError):
         write_gains(tmp_path / "file" / "gains.toml", gains_file())
+
+
+def test_a_controller_accepts_satisfied_margins(written):
+    assert accepted_gains(written[0], HASH) == read_gains(written[0])
+
+
+@pytest.mark.parametrize("margins", ["violated", "not run"])
+def test_a_controller_refuses_margins_that_are_not_satisfied_unless_forced(tmp_path, margins):
+    path = write_gains(tmp_path / "gains.toml", gains_file(margins=margins))
+    with pytest.raises(InputError) as caught:
+        accepted_gains(path, HASH)
+    (fault,) = caught.value.faults
+    assert (fault.key, fault.value) == ("margins", margins)
+    assert "--force" in fault.remedy
+    assert accepted_gains(path, HASH, force=True).margins == margins
+
+
+def test_force_does_not_make_gains_of_another_study_acceptable(written):
+    with pytest.raises(InputError, match="another model"):
+        accepted_gains(written[0], "b" * 64, force=True)

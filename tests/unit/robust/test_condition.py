@@ -69,3 +69,26 @@ def test_the_nominal_plant_alone_leaves_nothing_on_the_left():
     found = evaluate(plants)
     assert np.all(found.left == 0)
     assert np.all(found.plant_ratio == 0)
+
+
+def by_hand(plants):
+    """Return |Δ| ``(2, N, F)`` and |(1 + L)/L| ``(2, F)`` from Eq. 14 to Eq. 22 as printed."""
+    s, k = 1j * OMEGA, GAINS.k_p_vel
+    mass, delay, tau_a, tau_b, share_a = (column[:, None] for column in plants)
+    force = share_a / (tau_a * s + 1) + (1 - share_a) / (tau_b * s + 1)  # Eq. 11
+    model = np.exp(-s * NOMINAL.delay) / (NOMINAL.mass * s)  # Eq. 14
+    true = force * np.exp(-s * delay) / (mass * s)  # Eq. 15
+    shape = s**2 / GAINS.omega**2 + 2 * GAINS.xi * s / GAINS.omega + 1
+    controller = GAINS.k_p_pos * shape / (GAINS.tau * s + 1) ** 2 + GAINS.k_i_pos / s  # Eq. 22
+    closed_model, closed = (g * k / (s * (1 + g * k)) for g in (model, true))  # Eq. 19
+    loop = np.stack([model * k, closed_model * controller])
+    left = np.abs(np.stack([(true - model) / model, (closed - closed_model) / closed_model]))
+    return left, np.abs((1 + loop) / loop)
+
+
+def test_both_sides_are_those_of_the_equations(family):
+    found, (left, right) = evaluate(family), by_hand(family)
+    np.testing.assert_allclose(found.left, left.max(axis=1), rtol=1e-9)
+    np.testing.assert_allclose(found.right, right, rtol=1e-9)
+    expected = (left / right[:, None, :]).max(axis=2)
+    np.testing.assert_allclose(found.plant_ratio, expected, rtol=1e-9)

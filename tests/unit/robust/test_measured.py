@@ -138,8 +138,19 @@ def test_a_band_that_starts_above_the_crossover_decides_nothing():
 
 
 def test_steps_too_coarse_near_the_critical_point_decide_nothing():
-    coarse = response_of(np.geomspace(0.5, 600, 12))
+    coarse = response_of(np.geomspace(0.5, 600, 6))
     assert not count_members(FORCE, members(coarse), GAINS, NO_PATH).decided.any()
+
+
+def test_a_phase_that_cannot_be_followed_does_not_matter_where_the_loop_is_small():
+    """Eight steps beyond 90° where |L| is certainly below 1 leave the count as it is."""
+    near, far = np.geomspace(0.5, 150, 100), np.linspace(250, 1200, 9)
+    wide = response_of(np.concatenate([near, far]))
+    assert np.isinf(wide.doubt[-8:]).all()
+    count = count_members(FORCE, members(wide), GAINS, NO_PATH)
+    assert count.decided.all()
+    fine = count_members(FORCE, members(), GAINS, NO_PATH)
+    np.testing.assert_array_equal(count.unstable, fine.unstable)
 
 
 def test_a_loop_near_the_critical_point_decides_nothing_unless_measured_finely():
