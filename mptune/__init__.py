@@ -97,6 +97,8 @@ if TYPE_CHECKING:
     from mptune.shape.structure import pi as pi_structure
     from mptune.shape.structure import pid as pid_structure
     from mptune.shape.structure import position as position_structure
+    from mptune.sim.judge import SetFigures
+    from mptune.sim.record import BrokenLimit, Energies, RunRecord
     from mptune.sim.sampled import LinearMove, linear_moves
     from mptune.tune.baselines import Baseline, baselines
     from mptune.tune.front import Front, FrontPoint, front
@@ -104,7 +106,7 @@ if TYPE_CHECKING:
     from mptune.tune.result import Blocking, Concession, Round, TuneResult, TuneStatus
     from mptune.tune.tuner import tune as tune_gains
     from mptune.tune.velocity import VelocityGain
-    from mptune.verify.result import CaseResult, CaseStatus, SetFigures, VerifyResult
+    from mptune.verify.result import CaseResult, CaseStatus, VerifyResult
     from mptune.verify.verify import verify as verify_gains
     from mptune.weigh.procedure import Stage
     from mptune.weigh.recommend import Recommendation
@@ -160,6 +162,8 @@ _MODULES = {
         "Structure, basis_of as structure_of, p as p_structure, pi as pi_structure, pid as "
         "pid_structure, position as position_structure"
     ),
+    "sim.judge": "SetFigures",
+    "sim.record": "BrokenLimit, Energies, RunRecord",
     "sim.sampled": "LinearMove, linear_moves",
     "tune.baselines": "Baseline, baselines",
     "tune.front": "Front, FrontPoint, front",
@@ -167,7 +171,7 @@ _MODULES = {
     "tune.result": "Blocking, Concession, Round, TuneResult, TuneStatus",
     "tune.tuner": "tune as tune_gains",
     "tune.velocity": "VelocityGain",
-    "verify.result": "CaseResult, CaseStatus, SetFigures, VerifyResult",
+    "verify.result": "CaseResult, CaseStatus, VerifyResult",
     "verify.verify": "verify as verify_gains",
     "weigh.procedure": "Stage",
     "weigh.recommend": "Recommendation",
@@ -189,6 +193,7 @@ __all__ = [
     "Baseline",
     "Blocking",
     "Box",
+    "BrokenLimit",
     "CampaignResult",
     "CaseResult",
     "CaseStatus",
@@ -200,6 +205,7 @@ __all__ = [
     "Cone",
     "Design",
     "Draw",
+    "Energies",
     "Excitation",
     "Family",
     "FamilyLoops",
@@ -247,6 +253,7 @@ __all__ = [
     "ResolvedStudy",
     "Result",
     "Round",
+    "RunRecord",
     "SetFigures",
     "ShapeStatus",
     "Shaped",

@@ -12,6 +12,7 @@ from mptune.campaign.draw import PARAMETER_UNITS
 from mptune.campaign.guarantee import Guarantee, guarantee
 from mptune.campaign.simulate import FIGURES
 from mptune.interop import Drawn, Labelled
+from mptune.sim.merit import merit
 from mptune.strict import strict
 from mptune.summary import Summarised
 from mptune.verify.result import CaseStatus
@@ -26,7 +27,6 @@ if TYPE_CHECKING:
     from mptune.campaign.plan import Plan
 
 QUANTILES = (0.0, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
-LEAST_IS_WORST = ("pressure_min_mpa",)
 _LISTED = 100  # failed runs by number; the file holds them all
 _KEY_UNITS = {"kg": "_kg", "s": "_s", "Pa": "_pa", "N": "_n", "K": "_k", "1": ""}
 
@@ -115,7 +115,7 @@ class CampaignResult(Summarised, Drawn, Labelled):
         values = np.where(np.isfinite(values), values, np.nan)
         if np.isnan(values).all():
             return None
-        return int(np.nanargmin(values) if figure in LEAST_IS_WORST else np.nanargmax(values))
+        return int(np.nanargmax(merit(figure).badness(values)))
 
     def correlations(self, figure: str) -> dict[str, float]:
         """Return Spearman's rank correlation of each parameter that varies with a figure.

@@ -19,6 +19,7 @@ from mptune.campaign.simulate import FIGURES, RunRows
 from mptune.datasets import read_dataset, write_dataset
 from mptune.errors import Fault, InputError
 from mptune.files import make_folder
+from mptune.sim.merit import MERITS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -30,7 +31,6 @@ if TYPE_CHECKING:
 
 _IDENTITY = "campaign_identity"
 _REMEDY = "delete it; --resume runs it again"
-_FIGURE_UNITS = ("ms", "J/mm", "J/mm", "kN^2 s", "mm", "mm/s", "1", "mm", "MPa", "MPa", "1")
 
 
 class CampaignStore:
@@ -178,8 +178,8 @@ def _dataset(
         name: xr.DataArray(points[:, place], dims="run", attrs={"units": unit})
         for place, (name, unit) in enumerate(PARAMETER_UNITS.items())
     }
-    for place, (name, unit) in enumerate(zip(FIGURES, _FIGURE_UNITS, strict=True)):
-        data[name] = xr.DataArray(figures[:, place], dims="run", attrs={"units": unit})
+    for place, one in enumerate(MERITS):
+        data[one.key] = xr.DataArray(figures[:, place], dims="run", attrs={"units": one.unit})
     data["status"] = xr.DataArray(np.array(status, object), dims="run")
     data["reason"] = xr.DataArray(np.array(reason, object), dims="run")
     values = plan.values()

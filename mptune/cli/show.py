@@ -18,6 +18,7 @@ from mptune.cli.interrupt import interruptible
 from mptune.params.paper import LEDGER
 from mptune.robust.result import Status
 from mptune.robust.tables import EQUATIONS, margin_rows, place_text, undecided_text
+from mptune.sim.merit import TABULATED
 from mptune.strict import strict
 from mptune.units import number, shown
 
@@ -154,8 +155,7 @@ def gains(
 def verified(result: VerifyResult) -> None:
     """Print each machine's figures and status."""
     table = new_table("The nonlinear machine")
-    headings = ("mass", "oil", "seed", "index [ms]", "loss [J/mm]", "∫ΔF² [kN² s]", "final [mm]")
-    for heading in (*headings, "converter [mm]", "switches"):
+    for heading in ("mass", "oil", "seed", *(one.heading() for one in TABULATED)):
         table.add_column(heading, justify="right")
     table.add_column("status", no_wrap=True)
     for case in result.cases:
@@ -163,12 +163,7 @@ def verified(result: VerifyResult) -> None:
             f"{case.mass_kg / 1e3:g} t",
             f"{case.oil_bulk_modulus_pa / 1e6:g} MPa",
             str(case.seed),
-            number(case.mean("performance_index_ms"), 3),
-            number(case.mean("energy_loss_j_per_mm"), 3),
-            number(case.mean("force_error_integral_kn2s"), 3),
-            number(case.span("final_error_mm")[1], 2),
-            number(case.span("converter_peak_mm")[1], 3),
-            number(case.mean("valve_switches"), 4),
+            *(one.text(case.figure(one.key)) for one in TABULATED),
             verdict(case.status.value, good=case.stable),
         )
     console.print(table)

@@ -152,9 +152,8 @@ def replayed(plan: Plan, run: int, case: CaseResult, reason: str) -> None:
     table = new_table(f"Run {run}")
     table.add_column("figure")
     table.add_column("value", justify="right")
-    values = case.json()
     for figure in FIGURES:
-        table.add_row(figure, number(values[figure], 6))
+        table.add_row(figure, number(case.figure(figure), 6))
     console.print(table)
     console.print("Status:", verdict(reason or case.status.value, good=not reason))
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.cli.show import console, new_table, verdict
+from mptune.sim.merit import merit
 from mptune.units import number
 from mptune.weigh.trial import OBJECTIVES
 
@@ -14,8 +15,11 @@ if TYPE_CHECKING:
     from mptune.weigh.result import WeightsResult
     from mptune.weigh.trial import Trial
 
-_HEADINGS = ("W_sw\n[N]", "W_loss\n[N/J]", "W_conv\n[N s/m⁶]", "T_S\n[ms]", "loss\n[J/mm]",
-             "index\n[ms]", "∫ΔF²\n[kN² s]", "switches\n[–]", "converter\n[mm]")  # fmt: skip
+_FIGURES = tuple(merit(key) for key in (*OBJECTIVES, "converter_peak_mm"))
+_HEADINGS = (
+    *("W_sw\n[N]", "W_loss\n[N/J]", "W_conv\n[N s/m⁶]", "T_S\n[ms]"),
+    *(one.heading("\n") for one in _FIGURES),
+)
 
 
 def weights(result: WeightsResult) -> None:

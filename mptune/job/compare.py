@@ -59,8 +59,7 @@ class Compared:
         """The largest linear index by mass [kg]; infinite where a case is not stable."""
         found: dict[float, float] = {}
         for case in self.moves:
-            index = case.performance_index_ms if case.stable else float("inf")
-            found[case.mass_kg] = max(found.get(case.mass_kg, 0.0), index)
+            found[case.mass_kg] = max(found.get(case.mass_kg, 0.0), case.badness)
         return found
 
     def json(self) -> dict[str, Any]:

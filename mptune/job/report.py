@@ -40,7 +40,7 @@ def draw(result: JobResult, counts: tuple[Encirclements, ...]) -> tuple[dict[str
         "moves": to_svg(move_traces(result.moves)),
     }
     for case in result.verified.worst_per_mass() if result.verified else ():
-        figures[machine_figure(case.mass_kg)] = to_svg(machine_traces(swept.study, case))
+        figures[machine_figure(case.mass_kg)] = to_svg(machine_traces(case))
     return figures, to_png(panels)
 
 

@@ -48,6 +48,6 @@ def verify_study(
     progress("figures", 0.0)
     files = [write_traces(folder / "traces.nc", verified)]
     for case in verified.worst_per_mass():
-        svg = to_svg(machine_traces(study, case))
+        svg = to_svg(machine_traces(case))
         files.append(write_whole(folder / f"{machine_figure(case.mass_kg)}.svg", svg))
     return verified, tuple(files)

@@ -27,6 +27,7 @@ from mptune.signals.outer_loop import (
     outer_law,
 )
 from mptune.signals.trajectory import reference
+from mptune.sim.judge import performance_index
 from mptune.sim.linear_machine import move_on, stride_of
 from mptune.sim.moves import moves_of
 from mptune.strict import strict
@@ -72,6 +73,11 @@ class LinearMove(Summarised, Drawn):
     position: FloatArray
     velocity: FloatArray
     force: FloatArray
+
+    @property
+    def badness(self) -> float:
+        """Performance index [ms]; infinite where the loop is not stable."""
+        return self.performance_index_ms if self.stable else float("inf")
 
     @property
     def headline(self) -> str:
@@ -159,7 +165,7 @@ def _judge(
     stable = bool(np.isfinite(traces).all() and np.abs(position).max() < limit)
     index = float("nan")
     if stable:
-        index = 1e3 * float(np.abs(wanted - position).max() / np.abs(velocity).max())
+        index = 1e3 * performance_index(wanted - position, velocity)
     return LinearMove(
         mass_kg=mass,
         valve_delay_s=delay,

@@ -63,6 +63,7 @@ def to_dataset(result: VerifyResult) -> xr.Dataset:
         "study_hash": result.study.hash(),
         "mptune_version": version(),
         "gains": json.dumps(result.gains.model_dump()),
+        "feedforward": json.dumps(result.feedforward.model_dump()),
     }
     return xr.Dataset(data, coordinates, attributes)
 

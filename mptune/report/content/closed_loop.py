@@ -27,6 +27,7 @@ from mptune.report.blocks import (
     verdict,
     wide,
 )
+from mptune.sim.merit import TABULATED, merit
 from mptune.units import number
 
 if TYPE_CHECKING:
@@ -35,6 +36,9 @@ if TYPE_CHECKING:
     from mptune.report.results import Results
     from mptune.sim.sampled import LinearMove
     from mptune.verify.result import CaseResult, VerifyResult
+
+
+_INDEX, _FINAL = merit("performance_index_ms"), merit("final_error_mm")
 
 
 def machine_figure(mass: float) -> str:
@@ -113,12 +117,7 @@ def _cases(verified: VerifyResult) -> list[Block]:
             f"{case.mass_kg / 1e3:g} t",
             f"{case.oil_bulk_modulus_pa / 1e6:g} MPa",
             str(case.seed),
-            number(case.mean("performance_index_ms"), 3),
-            number(case.mean("energy_loss_j_per_mm"), 3),
-            number(case.mean("force_error_integral_kn2s"), 3),
-            number(case.span("final_error_mm")[1], 2),
-            number(case.span("converter_peak_mm")[1], 3),
-            number(case.mean("valve_switches"), 4),
+            *(one.text(case.figure(one.key)) for one in TABULATED),
             verdict(
                 case.status.value + (f", {case.broken}" if case.broken else ""), good=case.stable
             ),
@@ -126,8 +125,7 @@ def _cases(verified: VerifyResult) -> list[Block]:
         for case in verified.cases
     ]
     columns: list[Column] = [
-        *right("Mass", "Oil", "Seed", "Index\n[ms]", "Loss\n[J/mm]", "∫ΔF²\n[kN² s]"),
-        *right("Final\n[mm]", "Converter\n[mm]", "Switches"),
+        *right("Mass", "Oil", "Seed", *(one.title("\n") for one in TABULATED)),
         wide("Status"),
     ]
     words = (
@@ -152,8 +150,8 @@ def _comparison(verified: VerifyResult) -> list[Block]:
             for key in ("energy_loss_j_per_mm", "pump_loss_j_per_mm", "force_error_integral_kn2s")
         }
         for words, paper, here, kind in (
-            ("performance index [ms]", index, _span(cases, "performance_index_ms"), "predicted"),
-            ("final error [mm]", final, _span(cases, "final_error_mm", 2), "predicted"),
+            (_INDEX.axis.lower(), index, _span(cases, _INDEX.key), "predicted"),
+            (_FINAL.axis.lower(), final, _span(cases, _FINAL.key, 2), "predicted"),
             ("energy loss, mean [J/mm]", losses, means["energy_loss_j_per_mm"], "calibrated"),
             (
                 "… by pump power, as in §7.1 [J/mm]",

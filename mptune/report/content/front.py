@@ -20,6 +20,7 @@ from mptune.report.blocks import (
 from mptune.report.content.closed_loop import index_text, milliseconds, of_mass
 from mptune.robust.result import Status
 from mptune.robust.tables import place_text, undecided_text
+from mptune.sim.merit import merit
 from mptune.tune.baselines import LABELS
 from mptune.units import number, shown
 
@@ -27,6 +28,8 @@ if TYPE_CHECKING:
     from mptune.params.section import Section
     from mptune.report.results import Results
     from mptune.robust.result import Check
+
+_INDEX, _LOSS = merit("performance_index_ms"), merit("energy_loss_j_per_mm")
 
 
 def front_page(results: Results) -> dict[str, Any]:
@@ -148,22 +151,22 @@ def _paper(results: Results) -> list[Block]:
                 milliseconds(MEASURED_INDEX_RANGE.get(mass)),
                 index_text([before for before, _ in pairs]),
                 index_text([after for _, after in pairs]),
-                Cell(number(max(c.mean("performance_index_ms") for c in cases), 3), "strong")
+                Cell(_INDEX.text(max(c.figure(_INDEX.key) for c in cases)), "strong")
                 if cases
                 else "—",
                 f"{MEASURED_LOSS[mass]:g}" if mass in MEASURED_LOSS else "—",
-                Cell(number(max(c.mean("energy_loss_j_per_mm") for c in cases), 3), "strong")
+                Cell(_LOSS.text(max(c.figure(_LOSS.key) for c in cases)), "strong")
                 if cases
                 else "—",
             ]
         )
     columns: list[Column] = right(
         "Mass",
-        "Index [ms]\npaper",
+        f"{_INDEX.title()}\npaper",
         "linear,\nown gains",
         "linear,\nthese gains",
         "machine,\nthese gains",
-        "Loss [J/mm]\npaper",
+        f"{_LOSS.title()}\npaper",
         "machine,\nthese gains",
     )
     return [heading("Beside the paper"), table(columns, rows, keep=True)] if rows else []

@@ -5,18 +5,14 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from mptune.report.blocks import Cell, Column, figure, left, prose, right, section, table
+from mptune.sim.merit import merit
 from mptune.units import number
+from mptune.weigh.trial import OBJECTIVES
 
 if TYPE_CHECKING:
     from mptune.report.results import Results
 
-_FIGURES = (
-    ("Loss\n[J/mm]", "energy_loss_j_per_mm"),
-    ("Index\n[ms]", "performance_index_ms"),
-    ("∫ΔF²\n[kN² s]", "force_error_integral_kn2s"),
-    ("Switches\n[–]", "valve_switches"),
-    ("Converter\n[mm]", "converter_peak_mm"),
-)
+_FIGURES = tuple((merit(key).title("\n"), key) for key in (*OBJECTIVES, "converter_peak_mm"))
 _WEIGHTS = (
     ("W_sw\n[N]", "weight_switching_n"),
     ("W_loss\n[N/J]", "weight_loss_n_per_j"),
