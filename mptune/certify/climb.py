@@ -18,7 +18,7 @@ from mptune.loops.position import position_error
 from mptune.loops.sampled import coefficient_count, sampled_loop, sampled_plant
 from mptune.loops.velocity import nominal_velocity, true_velocity, velocity_error
 
-SINGULAR = 1e7  # a figure beyond it is taken for infinite
+SINGULAR = 1e5  # a figure beyond it is taken for infinite
 _LOWEST = 1e-5  # rad/s: the limit of vanishing frequency is taken there
 _SHORTEST_STEP = 1e-7  # of a box's side
 

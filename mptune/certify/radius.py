@@ -11,8 +11,6 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from mptune.certify.bounds import attain
 from mptune.certify.bracket import bracket
 from mptune.certify.enclosure import RATIO
@@ -95,7 +93,7 @@ def _equation_holds(
     hull = replace(problem, box=grown.with_nominal())
     edges = edges_of(hull, (0.0, 0.0))
     edges[1, 0] = tail_start(form, edges[1, RATIO], 1.0)
-    proof = Proof(form, np.zeros(1), curve, edges)
+    proof = Proof(form, curve, edges)
     if proof.run(1.0, budget) == PROVED:
         return Stability.STABLE, None, proof.boxes
     return Stability.UNDECIDED, None, proof.boxes
