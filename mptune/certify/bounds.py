@@ -103,7 +103,7 @@ def bound(
 
 
 def _no_loop(form: Form) -> bool:
-    """Return whether there is no position loop at all: then S = 1, T = 0 and Eq. 21's ratio is 0."""
+    """Return whether there is no position loop: then S = 1, T = 0 and Eq. 21's ratio is 0."""
     gains = form.gains
     position = form.figure == EQUATION_21 or (form.figure == MIXTURE and form.loop == POSITION)
     return position and gains.k_p_pos == 0 and gains.k_i_pos == 0

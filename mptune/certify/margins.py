@@ -83,7 +83,7 @@ def margin(
         return _phase_margin(problem, path, tolerance, budget)
     box = problem.box
 
-    def verdict(value: float) -> tuple[Stability, Point | None, int]:
+    def verdict(value: float, _lower: float) -> tuple[Stability, Point | None, int]:
         if name == "gain_margin":
             wider = replace(box, mass=(box.mass[0] / value, box.mass[1]))
         else:

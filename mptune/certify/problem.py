@@ -83,15 +83,14 @@ class Box:
         )
         return self if factor == 1 and least_delay <= self.delay[0] else grown
 
-    def with_nominal(self, least_delay: float = 0.0) -> Box:
-        """Return the least box that holds this one and the nominal plant."""
-        delay = max(self.nominal.delay, least_delay)
+    def joined(self, other: Box) -> Box:
+        """Return the least box that holds both."""
         return replace(
             self,
-            mass=_hull(self.mass, self.nominal.mass),
-            delay=_hull(self.delay, delay),
-            tau_a=_hull(self.tau_a, 0.0),
-            tau_b=_hull(self.tau_b, 0.0),
+            mass=_hull(self.mass, other.mass),
+            delay=_hull(self.delay, other.delay),
+            tau_a=_hull(self.tau_a, other.tau_a),
+            tau_b=_hull(self.tau_b, other.tau_b),
         )
 
 
@@ -100,8 +99,8 @@ def _about(centre: float, interval: Interval, factor: float, floor: float) -> In
     return low, high
 
 
-def _hull(interval: Interval, value: float) -> Interval:
-    return min(interval[0], value), max(interval[1], value)
+def _hull(a: Interval, b: Interval) -> Interval:
+    return min(a[0], b[0]), max(a[1], b[1])
 
 
 def plants_of(rows: object) -> Plants:
