@@ -9,10 +9,22 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
+from mptune.loops.family import derived_time_constants
+from mptune.params.pack import (
+    NO_PATH,
+    LoopGains,
+    MeasurementPath,
+    NominalPlant,
+    Plants,
+    pack_filters,
+    pack_gains,
+    pack_nominal,
+)
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
+    from mptune.params.controller import Gains
+    from mptune.params.study import ResolvedStudy
 
 Interval = tuple[float, float]
 LEAST_MASS = 1e-3  # of the nominal mass: a growing box stops there
@@ -132,6 +144,26 @@ class Problem:
     filters: MeasurementPath
     share_a: float
     period: float
+
+    @classmethod
+    def of(cls, study: ResolvedStudy, gains: Gains | None = None) -> Problem:
+        """Return the study's problem, with other gains where they are given."""
+        uncertainty, controller = study.uncertainty, study.study.controller
+        derived_a, derived_b = derived_time_constants(study)
+        box = Box(
+            pack_nominal(study),
+            uncertainty.mass,
+            uncertainty.delay,
+            derived_a if isinstance(uncertainty.tau_a, str) else uncertainty.tau_a,
+            derived_b if isinstance(uncertainty.tau_b, str) else uncertainty.tau_b,
+        )
+        return cls(
+            box,
+            pack_gains(gains or study.study.gains),
+            pack_filters(controller),
+            study.study.cylinder.share_a,
+            controller.sampling_period,
+        )
 
     def path(self, name: str) -> MeasurementPath:
         """Return the measurement path of that name."""

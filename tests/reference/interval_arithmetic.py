@@ -6,10 +6,10 @@ transfer function, on rectangular complex intervals of mpmath's ``iv``, whose el
 are rounded outwards. Nothing is cleverly rearranged: the enclosures are therefore wider than they
 need be, and hold without any argument of ours.
 
-A box is a dictionary of pairs: ``omega`` [rad/s], ``mass`` [kg], ``delay``, ``tau_a``, ``tau_b``
-[s]. A loop is a dictionary of numbers: ``k_p_vel``, ``k_p_pos``, ``k_i_pos``, ``corner``, ``xi``,
-``tau``, ``share_a``, ``nominal_mass``, ``nominal_delay``, and with a measurement path ``sample``
-and ``pole``; sampled, ``period`` as well.
+A box is a dictionary of pairs: ``omega`` [rad/s], ``mass_ratio`` (m_N/m), ``delay``, ``tau_a``,
+``tau_b`` [s]. A loop is a dictionary of numbers: ``k_p_vel``, ``k_p_pos``, ``k_i_pos``,
+``corner``, ``xi``, ``tau``, ``share_a``, ``nominal_mass``, ``nominal_delay``, with a measurement
+path ``sample`` and ``pole``, and sampled ``period`` as well.
 """
 
 from __future__ import annotations
@@ -23,6 +23,12 @@ mp.prec = 80
 def interval(pair):
     """Return a pair of numbers as an interval."""
     return iv.mpf([pair[0], pair[1]])
+
+
+def plant_values(box, loop):
+    """Return mass, delay and time constants of a box's plants."""
+    mass = iv.mpf(loop["nominal_mass"]) / interval(box["mass_ratio"])
+    return [mass, *(interval(box[key]) for key in ("delay", "tau_a", "tau_b"))]
 
 
 def turning(angle):
@@ -79,7 +85,7 @@ def modulus(value):
 def equations(box, loop):
     """Return the left over the right sides of Eq. 17 and Eq. 21, as intervals."""
     omega = interval(box["omega"])
-    values = [interval(box[key]) for key in ("mass", "delay", "tau_a", "tau_b")]
+    values = plant_values(box, loop)
     nothing = iv.mpf(0)
     nominal = [iv.mpf(loop["nominal_mass"]), iv.mpf(loop["nominal_delay"]), nothing, nothing]
     true_v, _ = loop_gains(omega, values, loop)
@@ -94,7 +100,7 @@ def equations(box, loop):
 def peaks(box, loop, which):
     """Return |S|, |T| and |S − T|/2 of the velocity, position or force loop, as intervals."""
     omega = interval(box["omega"])
-    values = [interval(box[key]) for key in ("mass", "delay", "tau_a", "tau_b")]
+    values = plant_values(box, loop)
     velocity, force = loop_gains(omega, values, loop)
     gain = {"velocity": velocity, "force": force, "position": (force - velocity) / (1 + velocity)}
     return of_loop(gain[which])
@@ -112,7 +118,7 @@ def of_loop(gain):
 def sampled_gain(box, loop, terms):
     """Return the loop gain at F_ref as it runs, from its aliases up to ±``terms``."""
     omega, period = interval(box["omega"]), iv.mpf(loop["period"])
-    values = [interval(box[key]) for key in ("mass", "delay", "tau_a", "tau_b")]
+    values = plant_values(box, loop)
     values[1] = values[1] - period / 2  # the hold is explicit here
     law = tustin(omega, loop)
     total = iv.mpc(0, 0)
@@ -135,3 +141,22 @@ def tustin(omega, loop):
         iv.mpf(loop["tau"]) * s + 1
     ) ** 2
     return iv.mpf(loop["k_p_pos"]) * shape + iv.mpf(loop["k_i_pos"]) / s
+
+
+def figure(box, loop, name, terms):
+    """Return a figure over a box, loop, path and figure named as the certificates name them.
+
+    The pair of numbers is rounded outwards by a few units in the last place of a float.
+    """
+    where, path_name, which = name
+    loop = dict(loop) if path_name != "none" else {**loop, "sample": 0}
+    if which.startswith("equation"):
+        found = equations(box, loop)[0 if which == "equation_17" else 1]
+    else:
+        index = ("sensitivity_peak", "complementary_peak", "disk_margin").index(which)
+        if path_name == "sampled":
+            found = of_loop(sampled_gain(box, loop, terms))[index]
+        else:
+            found = peaks(box, loop, "force" if where == "force_reference" else where)[index]
+    low, high = float(found.a), float(found.b)
+    return low * (1 - 4e-16), high * (1 + 4e-16)

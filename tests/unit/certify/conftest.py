@@ -6,34 +6,15 @@ from dataclasses import replace
 
 import pytest
 
-from mptune.certify.problem import Box, Problem
-from mptune.params.pack import pack_filters, pack_gains, pack_nominal
-
-
-def problem_of(study):
-    uncertainty, controller = study.uncertainty, study.study.controller
-    box = Box(
-        pack_nominal(study),
-        uncertainty.mass,
-        uncertainty.delay,
-        uncertainty.tau_a,
-        uncertainty.tau_b,
-    )
-    return Problem(
-        box,
-        pack_gains(study.study.gains),
-        pack_filters(controller),
-        study.study.cylinder.share_a,
-        controller.sampling_period,
-    )
+from mptune.certify.problem import Problem
 
 
 @pytest.fixture(scope="session")
 def published(load_boom):
     """The published gains over both boxes."""
     return {
-        "fig_5": problem_of(load_boom()),
-        "section_5_1": problem_of(load_boom(uncertainty="section-5-1")),
+        "fig_5": Problem.of(load_boom()),
+        "section_5_1": Problem.of(load_boom(uncertainty="section-5-1")),
     }
 
 
