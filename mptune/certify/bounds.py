@@ -14,11 +14,11 @@ from mptune.certify.form import EQUATION_17, EQUATION_21, MIXTURE, Curve, curve_
 from mptune.certify.problem import Point, edges_of
 from mptune.certify.proof import Proof
 from mptune.certify.result import Bound
-from mptune.certify.sampled import shifts_for, with_remainder
+from mptune.certify.sampled import terms_for
 from mptune.certify.search import ABOVE, PROVED
 from mptune.certify.stability import corner_verdict, point_of, witness_near
 from mptune.certify.tails import tail_start
-from mptune.loops.broken import SAMPLED
+from mptune.loops.broken import POSITION, SAMPLED
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
@@ -33,7 +33,7 @@ _CLIMBS = 4
 _SMALLEST = 1e-3  # a ratio of Eq. 17 or Eq. 21 below it is not told apart from it
 _FIRST_LEVELS = {EQUATION_17: 0.3, EQUATION_21: 0.2, MIXTURE: 1.3}
 _RAISES = 12  # bounds that are tried before a figure is said to have none
-_TRUNCATED = 0.7  # of the tolerance, where a remainder takes its share as well
+_ABOVE = 1.5  # times the peak's frequency: up to there a remainder has to be small
 _NOWHERE = np.empty(0)
 
 
@@ -83,22 +83,30 @@ def bound(
     witness = _corner_witness(problem, form, loop, path)
     if witness is not None:
         return _result(name, math.inf, witness, math.inf, tolerance, 0)
+    if _no_loop(form):
+        value = 2.0 if figure == "disk_margin" else form.share_s
+        return Bound(loop, path, figure, value, None, value, closed=True, boxes=0)
     curve = curve_of(allowed)
     attained, point, edges = attain(problem, form, curve, tolerance)
-    shifts, left_out, step = np.zeros(1), 0.0, tolerance
+    terms = 0
     if form.loop == SAMPLED:
-        shifts, left_out = shifts_for(form, edges[1, RATIO], tolerance / (8 * (1 + attained)))
-        step = _TRUNCATED * tolerance
-    proof = Proof(form, shifts, curve, edges)
-    attained, proved = _close(proof, attained, point, step, budget)
+        heard = _ABOVE * float(min(point[OMEGA], edges[1, OMEGA]))
+        terms = terms_for(form, edges[1, RATIO], heard, tolerance / (4 * (1 + attained)))
+    proof = Proof(form, curve, edges, terms)
+    attained, proved = _close(proof, attained, point, tolerance, budget)
     at = point_of(problem, point)
-    if attained >= SINGULAR:
-        if form.figure == MIXTURE:
-            at = witness_near(problem, point, path, loop) or at
-        return _result(name, math.inf, at, math.inf, tolerance, proof.boxes)
-    if form.loop == SAMPLED:
-        proved = with_remainder(form, proved, left_out)
+    if attained >= SINGULAR or not math.isfinite(proved):
+        witness = _witness_near(problem, form, point, loop, path)
+        if witness is not None:
+            return _result(name, math.inf, witness, math.inf, tolerance, proof.boxes)
     return _result(name, attained, at, proved, tolerance, proof.boxes)
+
+
+def _no_loop(form: Form) -> bool:
+    """Return whether there is no position loop: then S = 1, T = 0 and Eq. 21's ratio is 0."""
+    gains = form.gains
+    position = form.figure == EQUATION_21 or (form.figure == MIXTURE and form.loop == POSITION)
+    return position and gains.k_p_pos == 0 and gains.k_i_pos == 0
 
 
 def _corner_witness(problem: Problem, form: Form, loop: str, path: str) -> Point | None:
@@ -109,9 +117,26 @@ def _corner_witness(problem: Problem, form: Form, loop: str, path: str) -> Point
     """
     if form.figure == EQUATION_17:
         return None
-    asked = "velocity" if loop == "velocity" or form.figure == EQUATION_21 else "force_reference"
-    witness, some_stable = corner_verdict(problem, path, asked)
+    witness, some_stable = corner_verdict(problem, path, _asked(form, loop))
     return witness if some_stable or form.figure == MIXTURE else None
+
+
+def _witness_near(
+    problem: Problem, form: Form, place: FloatArray, loop: str, path: str
+) -> Point | None:
+    """Return the same, looked for beside a place where the figure is very high."""
+    if form.figure == EQUATION_17:
+        return None
+    asked = _asked(form, loop)
+    if form.figure == EQUATION_21 and not corner_verdict(problem, path, asked)[1]:
+        return None
+    return witness_near(problem, place, path, asked)
+
+
+def _asked(form: Form, loop: str) -> str:
+    """Return the loop whose stability the figure asks for."""
+    velocity = loop == "velocity" or form.figure == EQUATION_21
+    return "velocity" if velocity else "force_reference"
 
 
 def attain(

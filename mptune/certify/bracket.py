@@ -12,21 +12,22 @@ if TYPE_CHECKING:
 
     from mptune.certify.problem import Point
 
-    Verdict = Callable[[float], tuple[Stability, Point | None, int]]
+    Verdict = Callable[[float, float], tuple[Stability, Point | None, int]]
 
-_STEPS = 60
+_STEPS = 80
 
 
 def bracket(
     verdict: Verdict, start: float, tolerance: float, floor: float, limit: float
 ) -> Bracket:
-    """Return the bracket of the largest number that is safe.
+    """Return the bracket of the largest number up to which all is safe.
 
     Parameters
     ----------
     verdict
-        Says of a number whether all below it is proved safe (STABLE), it is known to fail
-        (UNSTABLE, with the place), or neither; and how many boxes that took.
+        Given a number and a lower one up to which all is known to be safe (0 to begin with), says
+        whether the same is proved up to the number (STABLE), or something fails at it (UNSTABLE,
+        with the place), or neither; and how many boxes that took.
     start
         Where to begin.
     tolerance
@@ -36,27 +37,27 @@ def bracket(
     limit
         Numbers above it are not asked about: the bracket is then open upwards.
     """
-    lower, ceiling, upper = 0.0, math.inf, math.inf
+    lower, refused, doubtful, upper = 0.0, math.inf, 0.0, math.inf
     at: Point | None = None
     boxes, asked = 0, start
     for _ in range(_STEPS):
-        status, place, taken = verdict(asked)
+        status, place, taken = verdict(asked, lower)
         boxes += taken
         if status is Stability.STABLE:
-            lower = asked
+            lower = max(lower, asked)
         else:
-            ceiling = asked
+            refused = min(refused, asked)
         if status is Stability.UNSTABLE:
             upper, at = asked, place
-        nearest = min(ceiling, upper)
-        if lower >= limit or nearest <= floor:
-            break
-        if nearest > (1 + tolerance) * max(lower, floor):
-            asked = _between(lower, nearest, floor, limit)
-        elif upper > (1 + tolerance) * nearest and math.isfinite(upper):
-            asked = _between(nearest, upper, floor, limit)
         else:
+            doubtful = max(doubtful, asked)
+        if refused > (1 + tolerance) * max(lower, floor):
+            low, high = lower, refused
+        else:  # proofs have come as far as they will: bring failures down to them
+            low, high = max(doubtful, lower), upper
+        if low >= limit or high <= max(floor, (1 + tolerance) * low):
             break
+        asked = _between(low, high, floor, limit)
     closed = upper <= (1 + tolerance) * max(lower, floor) or lower >= limit
     return Bracket(lower, upper, at, closed, boxes)
 

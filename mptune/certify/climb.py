@@ -19,9 +19,11 @@ from mptune.loops.sampled import coefficient_count, sampled_loop, sampled_plant
 from mptune.loops.velocity import nominal_velocity, true_velocity, velocity_error
 from mptune.params.pack import Plant
 
-SINGULAR = 1e7  # a figure beyond it is taken for infinite
+SINGULAR = 1e5  # a figure beyond it is taken for infinite
 _LOWEST = 1e-5  # rad/s: the limit of vanishing frequency is taken there
 _SHORTEST_STEP = 1e-7  # of a box's side
+_GAIN = 1e-11  # relative: less is taken for rounding
+_ROUNDS = 500
 
 
 @kernel
@@ -101,7 +103,9 @@ def climb(form: Form, curve: FloatArray, edges: FloatArray, point: FloatArray, s
     """
     best = figure_at(form, curve, point)
     trial, base = np.empty(SIDES), np.empty(SIDES)
-    while step > _SHORTEST_STEP and best < SINGULAR:
+    for _ in range(_ROUNDS):
+        if step < _SHORTEST_STEP or best > SINGULAR:
+            break
         _copy(point, base)
         before = best
         for side in range(2 * SIDES):
@@ -138,7 +142,7 @@ def _better(
     if not moved:
         return best
     value = figure_at(form, curve, trial)
-    if value > best:
+    if value > best * (1 + _GAIN):
         _copy(trial, point)
         return value
     return best

@@ -17,14 +17,15 @@ import numpy as np
 from mptune.certify.bracket import bracket
 from mptune.certify.climb import gain_at
 from mptune.certify.enclosure import OMEGA, PHASE, SIDES
-from mptune.certify.form import form_of
+from mptune.certify.form import curve_of, form_of
 from mptune.certify.problem import edges_of
+from mptune.certify.proof import Proof
 from mptune.certify.result import Bracket, Stability
 from mptune.certify.search import PROVED
 from mptune.certify.stability import (
+    TERMS,
     axis_end,
     box_stability,
-    no_zero,
     point_of,
     verdict_from,
 )
@@ -82,7 +83,7 @@ def margin(
         return _phase_margin(problem, path, tolerance, budget)
     box = problem.box
 
-    def verdict(value: float) -> tuple[Stability, Point | None, int]:
+    def verdict(value: float, _lower: float) -> tuple[Stability, Point | None, int]:
         if name == "gain_margin":
             wider = replace(box, mass=(box.mass[0] / value, box.mass[1]))
         else:
@@ -107,8 +108,8 @@ def _phase_margin(problem: Problem, path: str, tolerance: float, budget: int) ->
     upper, place = min(found, key=lambda one: one[0])
     asked, lower, boxes = upper / (1 + tolerance / 2), 0.0, 0
     while asked > _SMALLEST_PHASE:
-        proof, least = no_zero(form, edges_of(problem, (0.0, end), asked))
-        status = proof.run_nonzero(least, budget)
+        proof = Proof(form, curve_of(1.0), edges_of(problem, (0.0, end), asked), TERMS)
+        status = proof.run_nonzero(budget)
         boxes += proof.boxes
         if status == PROVED:
             lower = asked

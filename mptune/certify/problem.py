@@ -9,10 +9,22 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
+from mptune.loops.family import derived_time_constants
+from mptune.params.pack import (
+    NO_PATH,
+    LoopGains,
+    MeasurementPath,
+    NominalPlant,
+    Plants,
+    pack_filters,
+    pack_gains,
+    pack_nominal,
+)
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
+    from mptune.params.controller import Gains
+    from mptune.params.study import ResolvedStudy
 
 Interval = tuple[float, float]
 LEAST_MASS = 1e-3  # of the nominal mass: a growing box stops there
@@ -83,15 +95,14 @@ class Box:
         )
         return self if factor == 1 and least_delay <= self.delay[0] else grown
 
-    def with_nominal(self, least_delay: float = 0.0) -> Box:
-        """Return the least box that holds this one and the nominal plant."""
-        delay = max(self.nominal.delay, least_delay)
+    def joined(self, other: Box) -> Box:
+        """Return the least box that holds both."""
         return replace(
             self,
-            mass=_hull(self.mass, self.nominal.mass),
-            delay=_hull(self.delay, delay),
-            tau_a=_hull(self.tau_a, 0.0),
-            tau_b=_hull(self.tau_b, 0.0),
+            mass=_hull(self.mass, other.mass),
+            delay=_hull(self.delay, other.delay),
+            tau_a=_hull(self.tau_a, other.tau_a),
+            tau_b=_hull(self.tau_b, other.tau_b),
         )
 
 
@@ -100,8 +111,8 @@ def _about(centre: float, interval: Interval, factor: float, floor: float) -> In
     return low, high
 
 
-def _hull(interval: Interval, value: float) -> Interval:
-    return min(interval[0], value), max(interval[1], value)
+def _hull(a: Interval, b: Interval) -> Interval:
+    return min(a[0], b[0]), max(a[1], b[1])
 
 
 def plants_of(rows: object, share_a: float) -> Plants:
@@ -134,6 +145,26 @@ class Problem:
     filters: MeasurementPath
     share_a: float
     period: float
+
+    @classmethod
+    def of(cls, study: ResolvedStudy, gains: Gains | None = None) -> Problem:
+        """Return the study's problem, with other gains where they are given."""
+        uncertainty, controller = study.uncertainty, study.study.controller
+        derived_a, derived_b = derived_time_constants(study)
+        box = Box(
+            pack_nominal(study),
+            uncertainty.mass,
+            uncertainty.delay,
+            derived_a if isinstance(uncertainty.tau_a, str) else uncertainty.tau_a,
+            derived_b if isinstance(uncertainty.tau_b, str) else uncertainty.tau_b,
+        )
+        return cls(
+            box,
+            pack_gains(gains or study.study.gains),
+            pack_filters(controller),
+            study.study.cylinder.share_a,
+            controller.sampling_period,
+        )
 
     def path(self, name: str) -> MeasurementPath:
         """Return the measurement path of that name."""

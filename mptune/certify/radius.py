@@ -2,8 +2,9 @@
 
 The grown box is x_N + ρ(x − x_N) in m, d, τ_A and τ_B, with τ_N = 0; masses stay above a small
 positive one, delays and time constants at or above 0, and the total delay of the loop as it runs at
-or above T_S/2. What is proved of a factor is proved for the least box that holds the grown box and
-the nominal plant, and with it of all smaller factors; what fails, fails in a grown box.
+or above T_S/2. Proofs go from factor to factor: what is proved next is the least box that holds two
+grown boxes, and with it all boxes between them, whether the nominal plant lies inside or outside.
+What fails, fails in a grown box.
 """
 
 from __future__ import annotations
@@ -11,13 +12,11 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from mptune.certify.bounds import attain
 from mptune.certify.bracket import bracket
 from mptune.certify.enclosure import RATIO
 from mptune.certify.form import curve_of, form_of
-from mptune.certify.problem import Box, Point, edges_of, plants_of
+from mptune.certify.problem import edges_of, plants_of
 from mptune.certify.proof import Proof
 from mptune.certify.result import Bracket, Stability
 from mptune.certify.search import PROVED
@@ -25,7 +24,7 @@ from mptune.certify.stability import point_of, stable_plants, verdict_from
 from mptune.certify.tails import tail_start
 
 if TYPE_CHECKING:
-    from mptune.certify.problem import Problem
+    from mptune.certify.problem import Point, Problem
 
 RADII = ("equation_17", "equation_21", "none", "filters", "sampled")
 TOLERANCE = 1e-2
@@ -71,11 +70,12 @@ def radius(
     if not equation and not _nominal_stable(problem, until, floor):
         return Bracket(0.0, 0.0, None, closed=True, boxes=0)
 
-    def verdict(factor: float) -> tuple[Stability, Point | None, int]:
+    def verdict(factor: float, safe: float) -> tuple[Stability, Point | None, int]:
         grown = problem.box.grown(factor, floor)
+        inside = replace(problem, box=grown)
+        hull = replace(problem, box=grown.joined(problem.box.grown(safe, floor)))
         if equation:
-            return _equation_holds(problem, grown, until, path, budget)
-        inside, hull = (replace(problem, box=box) for box in (grown, grown.with_nominal(floor)))
+            return _equation_holds(inside, hull, until, path, budget)
         found = verdict_from(inside, hull, until, "force_reference", budget)
         return found.status, found.witness, found.boxes
 
@@ -83,19 +83,17 @@ def radius(
 
 
 def _equation_holds(
-    problem: Problem, grown: Box, equation: str, path: str, budget: int
+    inside: Problem, hull: Problem, equation: str, path: str, budget: int
 ) -> tuple[Stability, Point | None, int]:
-    """Return whether the ratio is below 1 in the grown box and down to the nominal plant."""
-    inside = replace(problem, box=grown)
+    """Return whether the ratio is below 1 in a hull of grown boxes, or above in the one inside."""
     loop = "velocity" if equation == "equation_17" else "position"
     form, curve = form_of(inside, loop, path, equation), curve_of(1.0)
     attained, place, _ = attain(inside, form, curve, 1.0)
     if attained >= 1:
         return Stability.UNSTABLE, point_of(inside, place), 0
-    hull = replace(problem, box=grown.with_nominal())
     edges = edges_of(hull, (0.0, 0.0))
     edges[1, 0] = tail_start(form, edges[1, RATIO], 1.0)
-    proof = Proof(form, np.zeros(1), curve, edges)
+    proof = Proof(form, curve, edges)
     if proof.run(1.0, budget) == PROVED:
         return Stability.STABLE, None, proof.boxes
     return Stability.UNDECIDED, None, proof.boxes

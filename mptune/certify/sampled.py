@@ -14,10 +14,14 @@ y = (1 − w)/T_S, U = 1 + w, A = (2τy + U)² and B = K_P(4y²/ω_c² + 4ξyU/�
 and L times jωyA·jω is a sum of coefficients that are analytic at ω = 0, with
 sinc(ωT_S/2)(−1)^k e^{−jω_k d} for the hold and the delay together.
 
-The sum is taken over |k| ≤ K. What is left out is at most ``remainder``, whatever the plant: every
-|G_F| ≤ 1, the filter's response is bounded band by band, |Eq. 23| by its taps, |(1 − w)C| by
-2K_P(max(1, 1/(ω_c τ)²) + ξ/(ω_c τ)) + K_I T_S. Since it moves L, S_true = S/(1 + δS), a bound of
-the truncated loop becomes one of the loop itself (``with_remainder``).
+The sum is taken over |k| ≤ K. What is left out of L up to a frequency is at most ``remainder``,
+whatever the plant: every |G_F| ≤ 1; filter and Eq. 23 are bounded band by band, the latter by its
+taps and by the distance to the nearest multiple of the fast rate; with Ω = (2/T_S) tan(ωT_S/2),
+|1 − w| ≤ ωT_S and |(1 − w)C| ≤ |1 − w| K_P (|1 − Ω²/ω_c²| + 2ξΩ/ω_c)/(1 + τ²Ω²) + K_I T_S.
+
+A remainder δ moves S by δ|S||S_true|, and T and (S − T)/2, which differ from S by a constant, by as
+much. A bound γ of the loop itself therefore follows from γ − δ(γ + c)² of the truncated one, c
+being 0 for S, 1 for T and 1/2 for (S − T)/2, as |S| ≤ 1 + |T| and |S| ≤ 1/2 + |S − T|/2.
 """
 
 from __future__ import annotations
@@ -34,7 +38,7 @@ if TYPE_CHECKING:
     from mptune.params.pack import MeasurementPath
 
 _TAPS = 18 / 35  # Σ|taps| of Eq. 23, times T_S,fast
-_FEWEST, MOST_SHIFTS = 2, 40
+MOST_SHIFTS = 100
 _BANDS = 400  # bounded one by one; beyond them, together
 _CARE = 1 + 1e-9  # more than all roundings of these sums
 
@@ -45,19 +49,19 @@ def shifts_up_to(count: int, period: float) -> FloatArray:
     return 2 * np.pi / period * np.array(order, np.float64)
 
 
-def shifts_for(form: Form, ratio: float, allowed: float) -> tuple[FloatArray, float]:
-    """Return enough shifts for a remainder of at most ``allowed``, and the remainder.
+def terms_for(form: Form, ratio: float, omega: float, allowed: float) -> int:
+    """Return the K that leaves a remainder of at most ``allowed`` up to ``omega`` [rad/s].
 
-    Where no number up to ``MOST_SHIFTS`` is enough the remainder is larger.
+    Where none up to ``MOST_SHIFTS`` does, that one is returned.
     """
-    count = _FEWEST
-    while remainder(form, ratio, count) > allowed and count < MOST_SHIFTS:
+    count = 2
+    while remainder(form, ratio, count, omega) > allowed and count < MOST_SHIFTS:
         count += 1
-    return shifts_up_to(count, form.period), remainder(form, ratio, count)
+    return count
 
 
-def remainder(form: Form, ratio: float, count: int) -> float:
-    """Return what the terms beyond ``count`` add to L at most, at any frequency.
+def remainder(form: Form, ratio: float, count: int, omega: float) -> float:
+    """Return what the terms beyond ``count`` add to L at most, at frequencies up to ``omega``.
 
     Parameters
     ----------
@@ -67,17 +71,22 @@ def remainder(form: Form, ratio: float, count: int) -> float:
         The largest m_N/m of the box.
     count
         K, at least 1.
+    omega
+        The highest frequency [rad/s].
     """
     heard, placed = _series(form.path, form.period, count)
-    gains = form.gains
-    corner = gains.omega * gains.tau
-    shape = max(1.0, 1 / corner**2) + gains.xi / corner
-    law = 2 * gains.k_p_pos * shape + gains.k_i_pos * form.period
+    gains, half = form.gains, omega * form.period / 2
+    change = min(2.0, 2 * half)  # |1 − w|
+    warped = 2 / form.period * math.tan(half) if half < 0.49 * math.pi else math.inf
+    corner = warped / gains.omega
+    lag = 1 / (gains.omega * gains.tau)
+    shape = max(1.0, min(corner, lag) ** 2) + gains.xi * min(2 * corner, lag)
+    law = change * gains.k_p_pos * shape + gains.k_i_pos * form.period
     plant = ratio * gains.k_p_vel / form.nominal.mass
-    return _CARE * plant / form.period * (2 * heard + law * placed)
+    return _CARE * plant / form.period * (change * heard + law * placed)
 
 
-@lru_cache(maxsize=256)
+@lru_cache(maxsize=1024)
 def _series(path: MeasurementPath, period: float, count: int) -> tuple[float, float]:
     """Return Σ|f_k||Eq. 23| /|ω_k|³ and Σ|f_k|/|ω_k|³ over |k| > count."""
     rate, taps = 2 * math.pi / period, _TAPS / path.sample_time
@@ -86,9 +95,16 @@ def _series(path: MeasurementPath, period: float, count: int) -> tuple[float, fl
         low, high = (k - 0.5) * rate, (k + 0.5) * rate  # |ω_k| lies between them
         filtered = _filter_bound(path, low * path.sample_time, high * path.sample_time)
         placed += 2 * filtered / low**3
-        heard += 2 * filtered * min(high, taps) / low**3
+        heard += 2 * filtered * min(_distance(path, low, high), taps) / low**3
     beyond = 1 / (rate**3 * (_BANDS - 0.5) ** 2)
     return heard + taps * beyond, placed + beyond
+
+
+def _distance(path: MeasurementPath, low: float, high: float) -> float:
+    """Return how far a frequency of a band is at most from a multiple of the fast rate [rad/s]."""
+    fast = 2 * math.pi / path.sample_time
+    nearest = fast * round((low + high) / 2 / fast)
+    return max(abs(low - nearest), abs(high - nearest))
 
 
 def _filter_bound(path: MeasurementPath, low: float, high: float) -> float:
@@ -100,16 +116,10 @@ def _filter_bound(path: MeasurementPath, low: float, high: float) -> float:
     return (1 - pole) / math.sqrt(max(1 + pole * pole - 2 * pole * cosine, (1 - pole) ** 2))
 
 
-def with_remainder(form: Form, bound: float, left_out: float) -> float:
-    """Return the bound of the loop itself from that of the truncated one; infinite if none.
+def truncated_bound(form: Form, bound: float, left_out: float) -> float:
+    """Return the bound of the truncated loop's figure from which that of the loop follows.
 
-    For S the bound b becomes b/(1 − δb). T and (S − T)/2 differ from S by a constant, so that they
-    move as S does, by δ|S||S_true|, and |S| ≤ 1 + |T|, |S| ≤ 1/2 + |S − T|/2.
+    Not positive where there is none.
     """
-    sensitivity = bound + (0.0 if form.share_t == 0 else 1.0 if form.share_s == 0 else 0.5)
-    if not left_out * sensitivity < 1:
-        return math.inf
-    true = sensitivity / (1 - left_out * sensitivity)
-    if form.share_t == 0:
-        return _CARE * true
-    return _CARE * (bound + left_out * sensitivity * true)
+    offset = 0.0 if form.share_t == 0 else 1.0 if form.share_s == 0 else 0.5
+    return bound - _CARE * left_out * (bound + offset) ** 2

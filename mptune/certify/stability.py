@@ -21,7 +21,6 @@ from mptune.certify.form import curve_of, form_of
 from mptune.certify.problem import Point, edges_of, plants_of
 from mptune.certify.proof import Proof
 from mptune.certify.result import BoxStability, Stability
-from mptune.certify.sampled import shifts_for
 from mptune.certify.search import PROVED
 from mptune.certify.tails import tail_start
 from mptune.loops.broken import FORCE, SAMPLED, VELOCITY
@@ -38,7 +37,7 @@ if TYPE_CHECKING:
 BUDGET = 300_000  # boxes
 _LITTLE = 20_000
 _END = 10.0  # S is below it where the proof ends: some number above 1
-_NEAREST = 3e-5  # the remainder of a sampled loop that the proof bears with
+TERMS = 6  # K of a sampled loop
 _ASIDE = (0.0, 1e-4, 1e-3, 1e-2, 0.1)  # of the way to a corner: where a witness is looked for
 
 
@@ -89,9 +88,10 @@ def verdict_from(inside: Problem, hull: Problem, path: str, loop: str, budget: i
     asked and with all of it after that.
     """
     form = form_of(hull, loop, path, "sensitivity_peak")
-    proof, least = no_zero(form, edges_of(hull, (0.0, axis_end(hull, form))))
+    edges = edges_of(hull, (0.0, axis_end(hull, form)))
+    proof = Proof(form, curve_of(1.0), edges, TERMS)
     for effort in (min(_LITTLE, budget), budget):
-        if proof.run_nonzero(least, effort) == PROVED:
+        if proof.run_nonzero(effort) == PROVED:
             return BoxStability(loop, path, Stability.STABLE, None, None, proof.boxes)
         witness, _ = corner_verdict(inside, path, loop)
         if witness is not None:
@@ -105,15 +105,6 @@ def axis_end(problem: Problem, form: Form) -> float:
     if form.loop == SAMPLED:
         return float(np.pi / form.period)
     return tail_start(form, edges_of(problem, (0.0, 0.0))[1, RATIO], _END)
-
-
-def no_zero(form: Form, edges: FloatArray) -> tuple[Proof, float]:
-    """Return the proof that 1 + L has no zero, to be run, and how near L may come to −1."""
-    curve = curve_of(1.0)
-    if form.loop != SAMPLED:
-        return Proof(form, np.zeros(1), curve, edges), 0.0
-    shifts, left_out = shifts_for(form, edges[1, RATIO], _NEAREST)
-    return Proof(form, shifts, curve, edges), left_out
 
 
 def verdict(
