@@ -94,9 +94,12 @@ def margin(
 
     if name == "gain_margin":
         found = bracket(verdict, 2.0, tolerance, 1.0, _LARGEST_GAIN)
-        return replace(found, lower=max(found.lower, 1.0))
+        at = found.at and found.at._replace(mass=max(found.at.mass * found.upper, box.mass[0]))
+        return replace(found, lower=max(found.lower, 1.0), at=at)
     start = max(box.delay[1], problem.period)
-    return bracket(verdict, start, tolerance, _SHORTEST_DELAY, _LONGEST_DELAY)
+    found = bracket(verdict, start, tolerance, _SHORTEST_DELAY, _LONGEST_DELAY)
+    at = found.at and found.at._replace(delay=max(found.at.delay - found.upper, box.delay[0]))
+    return replace(found, at=at)
 
 
 def _phase_margin(problem: Problem, path: str, tolerance: float, budget: int) -> Bracket:

@@ -47,8 +47,10 @@ def test_a_verdict_on_a_box_is_that_of_its_plants(seed):
         found = box_stability(problem, path)
         points = random_points(rng, problem, path, 40)
         points[:, 1] = problem.box.nominal.mass / points[:, 1]
-        stable, decided = stable_plants(problem, plants_of(points[:, 1:5]), path)
+        stable, decided = stable_plants(problem, plants_of(points[:, 1:5], problem.share_a), path)
         if found.status is Stability.STABLE:
             assert stable[decided].all()
         if found.status is Stability.UNSTABLE:
-            assert not stable_plants(problem, plants_of(list(found.witness[:4])), path)[0].any()
+            assert not stable_plants(
+                problem, plants_of(list(found.witness[:4]), problem.share_a), path
+            )[0].any()

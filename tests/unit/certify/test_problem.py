@@ -30,8 +30,8 @@ def test_what_is_no_box_is_refused(sides, words):
 
 
 def test_corners_are_each_counted_once():
-    assert len(box().corners().mass) == 16
-    assert len(box(mass=(20e3, 20e3), tau_b=(0.0, 0.0)).corners().mass) == 4
+    assert len(box().corners(0.5).mass) == 16
+    assert len(box(mass=(20e3, 20e3), tau_b=(0.0, 0.0)).corners(0.5).mass) == 4
 
 
 def test_a_box_grows_about_its_nominal_plant():

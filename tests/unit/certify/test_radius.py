@@ -56,9 +56,9 @@ def test_what_fails_above_is_an_unstable_plant_of_the_grown_box(published, path)
         found.at, (grown.mass, grown.delay, grown.tau_a, grown.tau_b), strict=False
     ):
         assert side[0] * (1 - 1e-12) <= value <= side[1] * (1 + 1e-12)
-    assert not stable_plants(problem, plants_of(list(found.at[:4])), path)[0].any()
+    assert not stable_plants(problem, plants_of(list(found.at[:4]), problem.share_a), path)[0].any()
     safe = problem.box.grown(found.lower, problem.period / 2 if path == "sampled" else 0.0)
-    assert stable_plants(problem, safe.corners(), path)[0].all()
+    assert stable_plants(problem, safe.corners(problem.share_a), path)[0].all()
 
 
 def test_the_measurement_path_is_what_the_equations_do_not_see(published):

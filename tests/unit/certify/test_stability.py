@@ -38,14 +38,16 @@ def test_the_velocity_loop_alone(published, path):
 def test_a_witness_is_unstable(published, hidden, path):
     for problem in (published["fig_5"], hidden):
         witness = box_stability(problem, path).witness
-        stable, decided = stable_plants(problem, plants_of(list(witness[:4])), path)
+        stable, decided = stable_plants(
+            problem, plants_of(list(witness[:4]), problem.share_a), path
+        )
         assert decided.all()
         assert not stable.any()
 
 
 @pytest.mark.parametrize("path", ["filters", "sampled"])
 def test_plants_that_no_corner_shows_to_be_unstable(hidden, path):
-    stable, _ = stable_plants(hidden, hidden.box.corners(), path)
+    stable, _ = stable_plants(hidden, hidden.box.corners(hidden.share_a), path)
     assert stable.all()
     found = box_stability(hidden, path)
     assert found.status is Stability.UNSTABLE
@@ -58,7 +60,9 @@ def test_all_plants_of_a_box_that_was_proved_stable_are(published, path):
     problem = published["section_5_1"]
     box, rng = problem.box, np.random.default_rng(5)
     sides = np.array([box.mass, box.delay, box.tau_a, box.tau_b]).T
-    plants = plants_of(sides[0] + (sides[1] - sides[0]) * rng.uniform(0, 1, (300, 4)))
+    plants = plants_of(
+        sides[0] + (sides[1] - sides[0]) * rng.uniform(0, 1, (300, 4)), problem.share_a
+    )
     assert stable_plants(problem, plants, path)[0].all()
 
 
