@@ -135,6 +135,17 @@ class FrontPage:
     blocks: Sequence[Block]
 
 
+@dataclass(frozen=True)
+class Document:
+    """Everything that is printed; ``running`` stands at the head of each page."""
+
+    title: str
+    running: str
+    satisfied: bool
+    front: FrontPage
+    chapters: Sequence[Chapter]
+
+
 def right(*headings: str) -> list[Column]:
     """Return columns of numbers."""
     return [Column(heading, "right") for heading in headings]

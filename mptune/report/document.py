@@ -6,12 +6,12 @@ show, entered in ``CHAPTERS``.
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mptune.files import write_whole
 from mptune.params.gains import now, version
-from mptune.report.blocks import Chapter, Figure, FrontPage
+from mptune.report.blocks import Chapter, Document, Figure
 from mptune.report.content.closed_loop import linear_check, nonlinear_machine
 from mptune.report.content.controller import controller
 from mptune.report.content.front import front_page
@@ -24,7 +24,7 @@ from mptune.report.pdf import pdf
 from mptune.report.web import web_page
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Collection, Mapping, Sequence
+    from collections.abc import Callable, Collection, Mapping
     from pathlib import Path
 
     from mptune.report.results import Results
@@ -44,17 +44,6 @@ CHAPTERS: tuple[Callable[[Results], Chapter | None], ...] = (
     parameters,
     ledger,
 )
-
-
-@dataclass(frozen=True)
-class Document:
-    """Everything that is printed; ``running`` stands at the head of each page."""
-
-    title: str
-    running: str
-    satisfied: bool
-    front: FrontPage
-    chapters: Sequence[Chapter]
 
 
 def document(results: Results, figures: Collection[str]) -> Document:

@@ -18,7 +18,7 @@ from mptune.report.blocks import plain
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
-    from mptune.report.document import Document
+    from mptune.report.blocks import Document
 
 _TEMPLATE, _EQUATIONS = "report.typ", "equations.typ"
 

@@ -26,8 +26,7 @@ from mptune.report.pdf import compiled
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
 
-    from mptune.report.blocks import Block
-    from mptune.report.document import Document
+    from mptune.report.blocks import Block, Document
 
 _FORMULAS, _EQUATIONS, _STYLE = "formulas.typ", "equations.typ", "report.css"
 _NUMBERED = re.compile(r"eq(\d+)")

@@ -98,7 +98,9 @@ def front(results: Results) -> Chapter | None:
     )
 
 
-def points(found: Iterable[dict[str, Any]], own: Mapping[str, float | None] | None = None) -> Tabular:
+def points(
+    found: Iterable[dict[str, Any]], own: Mapping[str, float | None] | None = None
+) -> Tabular:
     """Return the front's points, as JSON has them, and the figures of the study's own gains."""
     rows: list[Row] = [
         [*_figures(point["figures"]), "converged" if point["converged"] else "not converged"]
