@@ -82,6 +82,13 @@ def named_types(one):
     return found
 
 
+def parameter_types(function):
+    """Return the types of a function's parameters by their names."""
+    inner = inspect.unwrap(function)
+    names, own = _namespace(inner.__module__), inner.__annotations__
+    return {name: _evaluated(text, names) for name, text in own.items() if name != "return"}
+
+
 def _annotations(function):
     names = _namespace(function.__module__)
     return [_evaluated(text, names) for text in function.__annotations__.values()]

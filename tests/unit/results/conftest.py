@@ -13,6 +13,7 @@ from mptune import (
     CampaignResult,
     CaseResult,
     CaseStatus,
+    Energies,
     Excitation,
     Figures,
     Front,
@@ -22,6 +23,7 @@ from mptune import (
     Limits,
     Panel,
     Recommendation,
+    RunRecord,
     SetFigures,
     Stage,
     Trial,
@@ -70,6 +72,12 @@ def panel_of(omega, count=300):
     )  # fmt: skip
 
 
+RECORD = RunRecord(
+    0.5e-3, *np.ones((6, 2000)), np.ones(2000, np.bool_), np.array([1.0]), 0.1,
+    Energies(3.0, 2.0, 0.0, 1.0, {"friction": 1.0}), pressures=np.ones((2000, 2)),
+)  # fmt: skip
+
+
 def case_of(mass, status=CaseStatus.STABLE):
     """Return a machine with twenty movement sets, or with none where it was not stable."""
     one = SetFigures(15.0, 19.0, 19.0, 41.0, 0.3, 111.0, 840, 50.0, 0.6, 15.9, 1e-3, 3, 0.0)
@@ -77,7 +85,7 @@ def case_of(mass, status=CaseStatus.STABLE):
     return CaseResult(
         mass_kg=mass, valve_delay_s=(5e-3, 8e-3), oil_bulk_modulus_pa=1.2e9, load_force_n=9700.0,
         seed=1, status=status, broken="" if stable else "supply", broken_at_s=UNKNOWN,
-        sets=(one,) * 20 if stable else (), traces=np.ones((2000, 15)),
+        sets=(one,) * 20 if stable else (), record=RECORD, traces=np.ones((2000, 15)),
     )  # fmt: skip
 
 
@@ -118,10 +126,12 @@ def results(fig_5, unstable, load_boom):
     """One of every public result by name."""
     study = fig_5.study
     response = FrequencyResponse(
-        OMEGA, model(OMEGA, np.array([8e-3, 9e-3, 5e-3]), 0.57), np.ones(400), "<rig & co>"
+        OMEGA, model(OMEGA, np.array([8e-3, 9e-3, 5e-3]), 0.57), np.ones(400), "<rig & co> no. 2"
     )
     cases = tuple(case_of(mass) for mass in np.linspace(2e4, 5e4, 40))
-    verified = VerifyResult(study, fig_5.gains, (*cases, case_of(6e4, CaseStatus.NOT_FINITE)))
+    verified = VerifyResult(
+        study, fig_5.gains, study.study.feedforward, (*cases, case_of(6e4, CaseStatus.NOT_FINITE))
+    )
     moves = linear_moves(study)
     lost = replace(moves[0], stable=False, performance_index_ms=UNKNOWN)
     tuned, links = tuning_of(unstable), chain(unstable)
@@ -156,6 +166,7 @@ def results(fig_5, unstable, load_boom):
         "structure": designed.structure,
         "move": lost,
         "case": cases[0],
+        "record": RECORD,
         "verified": verified,
         "plan": plan_campaign(study),
         "campaign": campaign_of(study),

@@ -9,8 +9,8 @@ from mptune.strict import strict
 
 NAMES = (
     "sweep", "unstable", "condition", "family", "sampled", "check", "link", "tuned", "baseline",
-    "front", "front point", "design", "shaped", "move", "campaign", "panel", "identified", "fit",
-    "weights", "job",
+    "front", "front point", "design", "shaped", "move", "case", "verified", "campaign", "panel",
+    "identified", "fit", "weights", "job",
 )  # fmt: skip
 
 

@@ -8,7 +8,8 @@ from mptune.summary import LINES, Summarised
 NAMES = (
     "sweep", "unstable", "condition", "family", "sampled", "check", "model", "loops", "plants",
     "margins", "sides", "link", "study", "whole study", "gains file", "tuned", "baseline", "front",
-    "front point", "design", "shaped", "structure", "move", "case", "verified", "plan", "campaign",
+    "front point", "design", "shaped", "structure", "move", "case", "record", "verified",
+    "plan", "campaign",
     "panel", "identified", "response", "fit", "weights", "job",
 )  # fmt: skip
 TUPLES = {"plants", "margins", "sides"}
