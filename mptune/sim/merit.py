@@ -75,8 +75,8 @@ class Merit:
         return f"{self.label} [{self.printed_unit}]"
 
     def heading(self, between: str = " ") -> str:
-        """Return the short name and the unit, for a column."""
-        return f"{self.short}{between}[{self.printed_unit}]"
+        """Return the short name and the unit, if any, for a column."""
+        return self.short if self.unit == "1" else f"{self.short}{between}[{self.printed_unit}]"
 
     def title(self, between: str = " ") -> str:
         """Return the heading with a capital letter."""

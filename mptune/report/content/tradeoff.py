@@ -6,19 +6,22 @@ from typing import TYPE_CHECKING, Any
 
 from mptune.report.blocks import (
     Cell,
-    Column,
-    figure,
+    Chapter,
+    Figure,
+    Note,
+    Prose,
+    Row,
+    Tabular,
+    chapter,
     left,
-    note,
-    prose,
     right,
-    section,
-    table,
     verdict,
 )
 from mptune.tune.baselines import LABELS
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Mapping
+
     from mptune.report.results import Results
 
 _FORMS = (
@@ -30,56 +33,85 @@ _FORMS = (
 _FIGURES = ("Index\n[ms]", "K_I,pos\n[1/s²]", "Load step\n[mm/kN]", "Bandwidth\n[rad/s]")
 
 
-def comparison(results: Results) -> dict[str, Any] | None:
+def comparison(results: Results) -> Chapter | None:
     """Return P, PI and PID beside Eq. 22, where they were tuned."""
     if not results.leftovers.compared:
         return None
-    rows: list[list[str | Cell]] = [
-        [
-            LABELS[one["structure"]],
-            *_figures(one["figures"]),
-            f"{one['velocity_worst_ratio']:.3f}",
-            f"{one['position_worst_ratio']:.3f}",
-            verdict(one["status"] or "not tuned", good=one["satisfied"]),
-        ]
-        for one in results.leftovers.compared
-    ]
-    columns: list[Column] = [*left("Controller"), *right(*_FIGURES, "Eq. 17", "Eq. 21")]
-    return section(
-        "Controllers under the same requirements",
-        figure(
-            "controllers",
+    table = controllers(results.leftovers.compared)
+    return chapter(
+        table.title,
+        Figure(
             "Right-hand side of Eq. 21 for each controller above the family's error, and the worst "
             "performance index.",
+            "controllers",
         ),
-        table([*columns, *left("Status")], rows, keep=True),
-        note(
+        table,
+        Note(
             "Each is tuned with the same objective, requirements and family; bounds of gains that "
             "a structure does not have are not asked of it."
         ),
     )
 
 
-def front(results: Results) -> dict[str, Any] | None:
+def controllers(compared: Iterable[dict[str, Any]]) -> Tabular:
+    """Return compared controllers with their figures, as JSON has them."""
+    rows: list[Row] = [
+        [
+            LABELS[one["structure"]],
+            *_figures(one["figures"]),
+            f"{one['velocity_worst_ratio']:.3f}",
+            f"{one['position_worst_ratio']:.3f}",
+            _status(one),
+        ]
+        for one in compared
+    ]
+    columns = [*left("Controller"), *right(*_FIGURES, "Eq. 17", "Eq. 21"), *left("Status")]
+    return Tabular("Controllers under the same requirements", columns, rows)
+
+
+def indices(compared: Iterable[dict[str, Any]]) -> Tabular:
+    """Return the tracking index alone of compared controllers."""
+    rows: list[Row] = [
+        [LABELS[one["structure"]], _figures(one["figures"])[0], _status(one)] for one in compared
+    ]
+    columns = [*left("Controller"), *right("Tracking index [ms]"), *left("Status")]
+    return Tabular("Beside simpler controllers under the same requirements", columns, rows)
+
+
+def _status(one: dict[str, Any]) -> Cell:
+    return verdict(one["status"] or "not tuned", good=one["satisfied"])
+
+
+def front(results: Results) -> Chapter | None:
     """Return the Pareto front of tracking against disturbance, where it was run."""
     if not results.leftovers.front:
         return None
-    rows: list[list[str | Cell]] = [
-        [*_figures(point["figures"]), "converged" if point["converged"] else "not converged"]
-        for point in results.leftovers.front
-    ]
-    return section(
-        "Tracking against disturbance",
-        prose(
+    table = points(results.leftovers.front)
+    return chapter(
+        table.title,
+        Prose(
             "The least tracking index for each integral gain, from where tracking is best to the "
             "largest integral gain that the requirements allow. Each point is a local optimum."
         ),
-        figure("front", "The front, and where the study's own gains lie."),
-        table([*right(*_FIGURES), *left("Search")], rows, keep=True),
+        Figure("The front, and where the study's own gains lie.", "front"),
+        table,
     )
 
 
-def _figures(figures: dict[str, float | None]) -> list[str]:
+def points(
+    found: Iterable[dict[str, Any]], own: Mapping[str, float | None] | None = None
+) -> Tabular:
+    """Return the front's points, as JSON has them, and the figures of the study's own gains."""
+    rows: list[Row] = [
+        [*_figures(point["figures"]), "converged" if point["converged"] else "not converged"]
+        for point in found
+    ]
+    if own is not None:
+        rows.append([*_figures(own), "study's own"])
+    return Tabular("Tracking against disturbance", [*right(*_FIGURES), *left("Search")], rows)
+
+
+def _figures(figures: Mapping[str, float | None]) -> list[str]:
     """Return the cells; a dash where a figure is not finite, as of a loop that runs away."""
     cells = []
     for key, factor, form in _FORMS:

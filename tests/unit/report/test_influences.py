@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import pytest
 
+from mptune.report.blocks import Tabular
 from mptune.report.content.loops import inequalities
 from mptune.report.results import Results
 from mptune.robust.one_at_a_time import one_at_a_time
@@ -21,11 +22,10 @@ def results(load_boom):
 
 def driver_rows(results):
     """Return the rows of the table by their columns' headings."""
-    for block in inequalities(results)["blocks"]:
-        headings = [column["heading"] for column in block.get("columns", ())]
+    for block in inequalities(results).blocks:
+        headings = [column.text for column in getattr(block, "columns", ())]
         if "lower by" in headings:
-            texts = [[cell["text"] for cell in row] for row in block["rows"]]
-            return [dict(zip(headings, row, strict=True)) for row in texts]
+            return [dict(zip(headings, row, strict=True)) for row in block.rows]
     raise AssertionError("no table of drivers")
 
 
@@ -43,5 +43,4 @@ def test_lower_by_is_what_the_lesser_ratio_lacks_of_the_worst(results):
 
 def test_nothing_is_said_where_no_driver_was_sought(results):
     bare = Results(results.study, results.sweep, results.published, results.feedforward)
-    kinds = [block["kind"] for block in inequalities(bare)["blocks"]]
-    assert kinds.count("table") == 1
+    assert sum(isinstance(block, Tabular) for block in inequalities(bare).blocks) == 1

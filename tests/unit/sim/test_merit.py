@@ -56,7 +56,9 @@ def test_names_in_print():
     force = merit("force_error_integral_kn2s")
     assert force.axis == "Force error ∫ΔF² [kN² s]"
     assert force.heading() == force.title() == "∫ΔF² [kN² s]"
-    assert merit("valve_switches").title("\n") == "Switches\n[–]"
+    assert merit("performance_index_ms").title("\n") == "Index\n[ms]"
+    assert merit("valve_switches").heading() == "switches"
+    assert merit("valve_switches").axis == "Valve switches per set [–]"
     assert merit("valve_switches").text(803.04) == "803"
     assert merit("final_error_mm").text(0.2039) == "0.2"
 
