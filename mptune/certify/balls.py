@@ -179,7 +179,7 @@ def sinc(omega: float, half: float, time: float) -> Dual:
         slope = (math.cos(x) - value) / x
     error = widened(ROUND * (4 + abs(x)))
     reach = time * half * (1 + 2 * ROUND)
-    spread = widened(min((abs(slope) + reach / 3) * reach, 2.0) + error)
+    spread = widened(min((abs(slope) + 12 * ROUND + reach / 3) * reach, 2.0) + error)
     slope_spread = widened(time * (min(reach / 3, 1.0) + ROUND * (12 + abs(x))))
     return Dual(complex(value, 0.0), error, spread, complex(slope * time, 0.0), slope_spread)
 

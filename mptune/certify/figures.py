@@ -196,14 +196,15 @@ def _allowed(curve: FloatArray, omega: float, half: float) -> Dual:
     k = 0
     while omega > curve[k + 1, 0]:
         k += 1
-    rate = (curve[k + 1, 1] - curve[k, 1]) / math.log(curve[k + 1, 0] / curve[k, 0])
+    length = math.log(curve[k + 1, 0] / curve[k, 0])
+    rate = (curve[k + 1, 1] - curve[k, 1]) / length
     value, slope = curve[k, 1] + rate * math.log(omega / curve[k, 0]), rate / omega
-    rounding = 8 * ROUND * (curve[k, 1] + curve[k + 1, 1])
+    rounding = 8 * ROUND * (curve[k, 1] + curve[k + 1, 1] + abs(rate))
     bend = half / (omega - half)
     return Dual(
         complex(value, 0.0),
         rounding,
         widened(abs(rate) * bend + rounding),
         complex(slope, 0.0),
-        widened(abs(slope) * (bend + 8 * ROUND)),
+        widened(abs(slope) * (bend + 8 * ROUND * (1 + 1 / length))),
     )

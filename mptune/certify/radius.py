@@ -12,7 +12,7 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import TYPE_CHECKING
 
-from mptune.certify.bounds import attain
+from mptune.certify.ascent import attain
 from mptune.certify.bracket import bracket
 from mptune.certify.enclosure import RATIO
 from mptune.certify.form import curve_of, form_of
