@@ -47,11 +47,15 @@ def progress(*, quiet: bool) -> Iterator[Progress]:
 
 def sweep(result: SweepResult, chain: tuple[Link, ...] = ()) -> None:
     """Print both conditions, the family's margins, the requirements, and the chain at F_ref."""
+    from mptune.report.content.certificates import bounds, radii
     from mptune.report.content.front import requirements, warnings
     from mptune.report.content.loops import conditions, gain_factors, margins
 
     opening((), warnings(result))
-    show(conditions({"": result}), margins(result), requirements(result.checks))
+    show(conditions({"": result}), margins(result))
+    if result.certificates is not None:
+        show(bounds(result.certificates), radii(result.certificates))
+    show(requirements(result.checks))
     if chain:
         show(gain_factors(chain))
 

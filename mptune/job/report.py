@@ -21,6 +21,7 @@ if TYPE_CHECKING:
 def draw(result: JobResult, counts: tuple[Encirclements, ...]) -> tuple[dict[str, bytes], bytes]:
     """Return the figures of a run as SVG, by name, and the four panels as PNG."""
     from mptune.figures.bode import bode_plots
+    from mptune.figures.certificates import certified_worst_cases
     from mptune.figures.chain import gain_chain
     from mptune.figures.machine import machine_traces
     from mptune.figures.moves import move_traces
@@ -40,6 +41,8 @@ def draw(result: JobResult, counts: tuple[Encirclements, ...]) -> tuple[dict[str
         "chain": to_svg(gain_chain(result.chain)),
         "moves": to_svg(move_traces(result.moves)),
     }
+    if swept.certificates is not None:
+        figures["certificates"] = to_svg(certified_worst_cases(swept))
     for case in result.verified.worst_per_mass() if result.verified else ():
         figures[machine_figure(case.mass_kg)] = to_svg(machine_traces(case))
     return figures, to_png(panels)

@@ -30,7 +30,7 @@ from mptune.progress import silent
 from mptune.robust.chain import chain
 from mptune.robust.encirclements import encirclements
 from mptune.robust.store import write_sweep
-from mptune.robust.sweep import sweep
+from mptune.robust.sweep import sweep, with_radii
 from mptune.sim.sampled import linear_moves
 from mptune.tune.baselines import Baseline, baselines
 from mptune.tune.tuner import tune
@@ -82,6 +82,7 @@ def run(
         published = sweep(study)
         progress("tune", 0.0)
         tuned = tune(study, progress)
+        tuned = replace(tuned, sweep=with_radii(tuned.sweep))
         progress("linear check", 0.0)
         moves_before = linear_moves(study)
         moves = linear_moves(study, tuned.gains, tuned.feedforward)

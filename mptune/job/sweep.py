@@ -9,7 +9,7 @@ from mptune.files import make_folder, write_whole
 from mptune.progress import silent
 from mptune.robust.chain import chain
 from mptune.robust.store import write_sweep
-from mptune.robust.sweep import sweep
+from mptune.robust.sweep import sweep, with_radii
 
 if TYPE_CHECKING:
     from mptune.params.controller import Gains
@@ -29,18 +29,23 @@ def sweep_study(
 
     The linear links of the chain come with it.
     """
+    from mptune.figures.certificates import certified_worst_cases
     from mptune.figures.panels import four_panels
     from mptune.figures.style import to_svg
 
     folder = make_folder(Path(out) / study.name)
     progress("sweep", 0.0)
     swept = sweep(study, gains)
+    progress("radius", 0.0)
+    swept = with_radii(swept)
     progress("chain", 0.0)
     links = chain(swept)
     progress("figures", 0.0)
-    panels = to_svg(four_panels(swept))
-    files = (
+    files = [
         write_sweep(folder / "sweep.nc", swept),
-        write_whole(folder / "panels.svg", panels),
-    )
-    return swept, links, files
+        write_whole(folder / "panels.svg", to_svg(four_panels(swept))),
+    ]
+    if swept.certificates is not None:
+        svg = to_svg(certified_worst_cases(swept))
+        files.append(write_whole(folder / "certificates.svg", svg))
+    return swept, links, tuple(files)

@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 from mptune.files import write_whole
 from mptune.params.gains import now, version
 from mptune.report.blocks import Chapter, Document, Figure
+from mptune.report.content.certificates import certificates
 from mptune.report.content.closed_loop import linear_check, nonlinear_machine
 from mptune.report.content.controller import controller
 from mptune.report.content.front import front_page
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
 
 CHAPTERS: tuple[Callable[[Results], Chapter | None], ...] = (
     inequalities,
+    certificates,
     loop_plots,
     sensitivities,
     gain_chain,

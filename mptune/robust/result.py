@@ -187,6 +187,7 @@ class SweepResult(Summarised, Drawn, Labelled):
         "nyquist": "mptune.figures.nyquist:nyquist_plots",
         "sensitivity": "mptune.figures.sensitivity:sensitivity_functions",
         "load": "mptune.figures.sensitivity:load_response",
+        "certificates": "mptune.figures.certificates:certified_worst_cases",
     }
     dataset: ClassVar[str] = "mptune.robust.store:to_dataset"
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -18,6 +19,7 @@ from mptune.robust.certificates import (
     against,
     certify,
     place_of,
+    radii_of,
     use_of_curve,
 )
 from mptune.robust.condition import Sides
@@ -80,6 +82,15 @@ def sweep(study: ResolvedStudy | LinearModel, gains: Gains | None = None) -> Swe
         checks=check_requirements(model, conditions, true, sampled, noise, proofs),
         certificates=proofs,
     )
+
+
+def with_radii(swept: SweepResult) -> SweepResult:
+    """Return a sweep with the factors by which its box may grow, where anything is certified."""
+    proofs = swept.certificates
+    if proofs is None:
+        return swept
+    radii = radii_of(proofs, swept.model.path_name)
+    return replace(swept, certificates=replace(proofs, radii=radii))
 
 
 def _refined_sides(

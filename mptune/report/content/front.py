@@ -150,11 +150,12 @@ def requirements(checks: Iterable[Check]) -> Tabular:
             check.limit,
             number(check.found),
             verdict(check.status.value, good=check.status is Status.SATISFIED),
+            Cell(check.grounds.value if check.grounds else "—", "small"),
             Cell(place_text(check.at), "small"),
         ]
         for check in checks
     ]
-    columns = [*left("Requirement", "Limit"), *right("Found"), *left("Verdict")]
+    columns = [*left("Requirement", "Limit"), *right("Found"), *left("Verdict", "Rests on")]
     return Tabular("Requirements", [*columns, wide("Where", detail=True)], rows)
 
 
