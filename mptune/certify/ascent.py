@@ -34,15 +34,15 @@ _NOWHERE = np.empty(0)
 
 
 def attain(
-    problem: Problem, form: Form, curve: FloatArray, tolerance: float, phase: float = 0.0
+    problem: Problem, form: Form, curve: FloatArray, tolerance: float
 ) -> tuple[float, FloatArray, FloatArray]:
     """Return a high value of a figure, its place, and the box of coordinates to be proved.
 
     The box ends at the frequency beyond which the figure is certainly below the bound to be.
     """
-    edges = edges_of(problem, (0.0, 0.0), phase)
+    edges = edges_of(problem, (0.0, 0.0))
     least = float(curve[:, 1].min()) if len(curve) else 1.0
-    limit = abs(form.share_s)  # of vanishing loop gain, at the highest frequencies
+    limit = abs(form.share_s) if form.loop != SAMPLED else 0.0  # at the highest frequencies
     level = max(_FIRST_LEVELS[form.figure] * least, 1.3 * limit)
     attained, point = -1.0, np.empty(SIDES)
     while True:

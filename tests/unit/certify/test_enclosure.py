@@ -138,6 +138,39 @@ def test_the_clearance_is_below_every_members_denominator(varied, path):
     assert positive > 20
 
 
+@pytest.mark.compiled
+@pytest.mark.parametrize("side", range(SIDES))
+@pytest.mark.parametrize(
+    "name",
+    [
+        ("velocity", "none", "equation_17"),
+        *(("force_reference", path, "sensitivity_peak") for path in ("none", "filters", "sampled")),
+    ],
+    ids="-".join,
+)
+def test_one_side_alone_is_followed_to_both_of_its_ends(varied, name, side):
+    problem = varied(delay=(0.005, 0.03), tau_a=(0.0, 0.02), tau_b=(0.0, 0.02))
+    form = form_of(problem, *name)
+    curve, none = curve_of(1.0), np.zeros(SIDES)
+    rng = np.random.default_rng(side)
+    edges = edges_of(problem, (0.0, 150.0), phase=0.5)
+    for _ in range(150):
+        centre = edges[0] + (edges[1] - edges[0]) * rng.uniform(0, 1, SIDES)
+        half = np.zeros(SIDES)
+        half[side] = (edges[1, side] - edges[0, side]) * 10 ** rng.uniform(-3, -1.3)
+        centre[side] = max(centre[side], edges[0, side] + half[side])
+        box, slopes, spreads, clear = evaluate(form, curve, centre, half, 0.01, 1.0)
+        for way in (-1, -0.5, 0.5, 1):
+            member = centre + way * half
+            found, of_member, rounding, _ = evaluate(form, curve, member, none, 0.01, 1.0)
+            assert abs(found.value - box.value) <= box.spread + found.error
+            assert np.all(np.abs(of_member - slopes) <= spreads + rounding)
+            reach = (abs(slopes[side]) + spreads[side]) * abs(way) * half[side]
+            assert abs(found.value - box.value) <= reach + found.error + box.error
+            denominator = -evaluate(form, curve, member, none, 0.0, 1.0)[0].value
+            assert clear <= np.sqrt(max(denominator, 0.0)) * (1 + 1e-12)
+
+
 def test_rounding_at_a_point_is_all_that_is_left(varied):
     problem = varied()
     form, curve = form_of(problem, "position", "filters", "equation_21"), curve_of(1.0)
