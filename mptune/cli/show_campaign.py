@@ -6,23 +6,14 @@ import math
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    Progress,
-    ProgressColumn,
-    SpinnerColumn,
-    TextColumn,
-    TimeRemainingColumn,
-)
+from rich.progress import MofNCompleteColumn, ProgressColumn, TimeRemainingColumn
 from rich.text import Text
 
 from mptune.campaign.draw import PARAMETER_UNITS
 from mptune.campaign.guarantee import runs_table
 from mptune.campaign.result import QUANTILES, draw_json
 from mptune.campaign.simulate import FIGURES
-from mptune.cli.interrupt import interruptible
+from mptune.cli.show import bars
 from mptune.cli.terminal import as_json, say, show
 from mptune.report.blocks import Column, Row, Tabular, left, right, verdict
 from mptune.units import number, shown
@@ -51,20 +42,13 @@ class _Rate(ProgressColumn):
 @contextmanager
 def progress(*, quiet: bool) -> Iterator[Callable[[int, int], None]]:
     """Yield a function that takes the runs done and the runs in all; show rate and time left."""
-    columns = (
-        SpinnerColumn(), TextColumn("runs"), BarColumn(), MofNCompleteColumn(), _Rate(),
-        TimeRemainingColumn(),
-    )  # fmt: skip
-    errors = Console(stderr=True)
-    with (
-        interruptible() as check,
-        Progress(*columns, console=errors, transient=True, disable=quiet) as bars,
-    ):
-        task = bars.add_task("runs", total=None)
+    columns = MofNCompleteColumn(), _Rate(), TimeRemainingColumn()
+    with bars(*columns, quiet=quiet) as (check, made):
+        task = made.add_task("runs", total=None)
 
         def report(done: int, runs: int) -> None:
             check()
-            bars.update(task, total=runs, completed=done)
+            made.update(task, total=runs, completed=done)
 
         yield report
 
