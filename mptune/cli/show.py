@@ -6,41 +6,55 @@ from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
 from rich.console import Console
-from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
-from rich.progress import Progress as Bars
+from rich.progress import (
+    BarColumn,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
 
 from mptune.cli.interrupt import interruptible
 from mptune.cli.terminal import as_json, files, opening, show
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from mptune.progress import Progress
     from mptune.robust.chain import Link
     from mptune.robust.result import SweepResult
     from mptune.verify.result import VerifyResult
 
-__all__ = ["as_json", "files", "ledger", "progress", "sweep", "verified"]
+__all__ = ["as_json", "bars", "files", "ledger", "progress", "sweep", "verified"]
+
+
+@contextmanager
+def bars(*columns: ProgressColumn, quiet: bool) -> Iterator[tuple[Callable[[], None], Bars]]:
+    """Yield bars on stderr, and what to call now and then so that an interrupt gets through."""
+    first = SpinnerColumn(), TextColumn("{task.description}"), BarColumn()
+    errors = Console(stderr=True)
+    with (
+        interruptible() as check,
+        Bars(*first, *columns, console=errors, transient=True, disable=quiet) as made,
+    ):
+        yield check, made
 
 
 @contextmanager
 def progress(*, quiet: bool) -> Iterator[Progress]:
     """Yield a function that takes a stage's name and the share of it that is done."""
-    errors = Console(stderr=True)
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    bars = Bars(*columns, console=errors, transient=True, disable=quiet)
-    with interruptible() as check, bars:
+    with bars(TimeElapsedColumn(), quiet=quiet) as (check, made):
         tasks: dict[str, Any] = {}
 
         def report(stage: str, share: float) -> None:
             check()
             for known, task in tasks.items():
                 if known != stage:
-                    bars.update(task, total=1.0, completed=1.0)
+                    made.update(task, total=1.0, completed=1.0)
             if stage not in tasks:
-                tasks[stage] = bars.add_task(stage, total=None)
+                tasks[stage] = made.add_task(stage, total=None)
             if share > 0:
-                bars.update(tasks[stage], total=1.0, completed=share)
+                made.update(tasks[stage], total=1.0, completed=share)
 
         yield report
 

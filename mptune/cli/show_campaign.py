@@ -6,23 +6,14 @@ import math
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    ProgressColumn,
-    SpinnerColumn,
-    TextColumn,
-    TimeRemainingColumn,
-)
-from rich.progress import Progress as Bars
+from rich.progress import MofNCompleteColumn, ProgressColumn, TimeRemainingColumn
 from rich.text import Text
 
 from mptune.campaign.draw import PARAMETER_UNITS
 from mptune.campaign.guarantee import runs_table
 from mptune.campaign.result import QUANTILES, draw_json
 from mptune.campaign.simulate import FIGURES
-from mptune.cli.interrupt import interruptible
+from mptune.cli.show import bars
 from mptune.cli.terminal import as_json, say, show
 from mptune.report.blocks import Column, Row, Tabular, left, right, verdict
 from mptune.units import number, shown
@@ -52,20 +43,13 @@ class _Rate(ProgressColumn):
 @contextmanager
 def progress(runs: int, *, quiet: bool) -> Iterator[Progress]:
     """Yield what is told the share of so many runs that is done; show their rate and time left."""
-    columns = (
-        SpinnerColumn(), TextColumn("runs"), BarColumn(), MofNCompleteColumn(), _Rate(),
-        TimeRemainingColumn(),
-    )  # fmt: skip
-    errors = Console(stderr=True)
-    with (
-        interruptible() as check,
-        Bars(*columns, console=errors, transient=True, disable=quiet) as bars,
-    ):
-        task = bars.add_task("runs", total=None)
+    columns = MofNCompleteColumn(), _Rate(), TimeRemainingColumn()
+    with bars(*columns, quiet=quiet) as (check, made):
+        task = made.add_task("runs", total=None)
 
         def report(_stage: str, share: float) -> None:
             check()
-            bars.update(task, total=runs, completed=round(share * runs))
+            made.update(task, total=runs, completed=round(share * runs))
 
         yield report
 

@@ -5,8 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.cli.terminal import files, opening, say, show
-from mptune.job.report import found_by
-from mptune.report.blocks import verdict
+from mptune.report.blocks import Tabular, verdict
 from mptune.report.content.closed_loop import machines, movement_sets
 from mptune.report.content.front import NOT_RUN, front_page, headline, tuning
 from mptune.report.content.loops import condition_text, factors_text, gain_factors
@@ -17,11 +16,13 @@ if TYPE_CHECKING:
 
 def summary(result: JobResult) -> None:
     """Print what matters of a whole job on one screen: gains, requirements, figures, files."""
+    from mptune.job.report import found_by
+
     page, tuned = front_page(found_by(result)), result.tuned
     seen = [*map(condition_text, tuned.sweep.conditions), factors_text(result.chain)]
     run = [] if result.verified else [NOT_RUN]
     opening([*tuning(tuned), *seen, *run], page.warnings, good=tuned.blocking is None)
-    show(*page.blocks, brief=True)
+    show(*(block.brief() for block in page.blocks if isinstance(block, Tabular)))
     named = {".pdf": 0, ".html": 1, ".toml": 2}
     shown = [path for path in result.files if path.suffix in named]
     files(sorted(shown, key=lambda path: named[path.suffix]))

@@ -9,7 +9,7 @@ from __future__ import annotations
 import json
 import re
 import sys
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any
 
 from rich import box
 from rich.cells import cell_len
@@ -64,64 +64,49 @@ def files(paths: Iterable[Path]) -> None:
         console.print(Text(f"wrote {path}"), soft_wrap=True)
 
 
-def show(*blocks: Block, brief: bool = False, ruled: bool = False) -> None:
-    """Print the tables among blocks, each under its title; the rest is for paper.
+def show(*blocks: Block, ruled: bool = False) -> None:
+    """Print the tables among a report's blocks, each under its title; the rest is for paper.
 
-    Parameters
-    ----------
-    blocks
-        Of the report, or made alike.
-    brief
-        Whether to leave out the columns of detail.
-    ruled
-        Whether to part rows by lines, where their texts are long.
+    ``ruled`` parts rows by lines, where their texts are long.
     """
     for block in blocks:
         if isinstance(block, Tabular):
-            _table(block, brief=brief, ruled=ruled)
+            console.print(Text(block.title, "bold"))
+            console.print(_table(block.columns, [[*map(_text, row)] for row in block.rows], ruled))
+            console.print()
 
 
-def _table(block: Tabular, *, brief: bool, ruled: bool) -> None:
-    shown = [n for n, column in enumerate(block.columns) if not (brief and column.detail)]
-    columns = [block.columns[n] for n in shown]
-    rows = [[_text(row[n]) for n in shown] for row in block.rows]
-    console.print(Text(block.title, "bold"))
-    widths = _widths(columns, rows, console.width - _GAP * (len(columns) - 1))
-    fits = sum(widths) + _GAP * (len(columns) - 1) <= console.width
-    console.print(_grid(columns, rows, widths, ruled=ruled) if fits else _list(columns, rows))
-    console.print()
-
-
-def _grid(
-    columns: list[Column], rows: list[list[Text]], widths: list[int], *, ruled: bool
-) -> Table:
+def _table(columns: Sequence[Column], rows: list[list[Text]], ruled: bool) -> Table:
+    room = console.width - _GAP * (len(columns) - 1)
+    widths = _widths(columns, rows, room)
+    if sum(widths) > room:
+        return _list(columns, rows)
     made = Table(
         box=box.SIMPLE_HEAD, show_edge=False, pad_edge=False, padding=(0, 1, 0, 0), show_lines=ruled
     )
     for column, width in zip(columns, widths, strict=True):
-        justify: Literal["left", "right"] = "right" if column.align == "right" else "left"
-        made.add_column(Text(column.text), justify=justify, vertical="top", width=width)
+        made.add_column(column.text, justify=column.align, width=width)
     for row in rows:
         made.add_row(*row)
     return made
 
 
-def _widths(columns: list[Column], rows: list[list[Text]], room: int) -> list[int]:
+def _widths(columns: Sequence[Column], rows: list[list[Text]], room: int) -> list[int]:
     """Return the columns' widths: the widest give way, but no word and no number is broken."""
     widths, least = [], []
     for n, column in enumerate(columns):
-        texts, words = [row[n].plain for row in rows], _WORD.findall(column.text)
-        words += texts if column.align == "right" else _WORD.findall(" ".join(texts))
+        texts = [column.text, *(row[n].plain for row in rows)]
+        whole = texts[1:] if column.align == "right" else []
+        words = [*whole, *(word for text in texts for word in _WORD.findall(text))]
         least.append(max(map(cell_len, words), default=0))
-        lines = "\n".join((column.text, *texts)).splitlines()
-        widths.append(max(map(cell_len, lines), default=0))
+        widths.append(max(cell_len(line) for text in texts for line in text.split("\n")))
     while sum(widths) > room and widths != least:
         loose = [n for n, width in enumerate(widths) if width > least[n]]
         widths[max(loose, key=lambda n: widths[n])] -= 1
     return widths
 
 
-def _list(columns: list[Column], rows: list[list[Text]]) -> Table:
+def _list(columns: Sequence[Column], rows: list[list[Text]]) -> Table:
     """Return rows as paragraphs: a name or nothing first, then each value behind its heading."""
     headings = [f"{' '.join(column.text.split())} ".lstrip() for column in columns]
     if columns[0].align == "left":

@@ -9,8 +9,8 @@ from __future__ import annotations
 
 import re
 from collections.abc import Sequence
-from dataclasses import dataclass
-from typing import Any
+from dataclasses import dataclass, replace
+from typing import Any, Literal
 
 _SYMBOL = re.compile(r"(?<![\w./])([^\W\d_])_([A-Za-z0-9]+(?:,[A-Za-z]+)*)(?![\w/(])")
 
@@ -90,7 +90,7 @@ class Column(Words):
         Whether a summary does without it.
     """
 
-    align: str = "left"
+    align: Literal["left", "right"] = "left"
     share: float = 0
     detail: bool = False
 
@@ -102,7 +102,7 @@ class Tabular:
     Attributes
     ----------
     title
-        What it shows: above it on a terminal, and in a report where ``titled`` puts it there.
+        What it shows: above it on a terminal, and in a report where it is ``titled``.
     keep
         Whether it stays on one page.
     """
@@ -111,6 +111,16 @@ class Tabular:
     columns: Sequence[Column]
     rows: Sequence[Row]
     keep: bool = True
+
+    def titled(self, *after: Block) -> list[Block]:
+        """Return the table under its title, and what follows it; nothing where it has no rows."""
+        return [Heading(self.title), self, *after] if self.rows else []
+
+    def brief(self) -> Tabular:
+        """Return the table without its columns of detail."""
+        kept = [n for n, column in enumerate(self.columns) if not column.detail]
+        rows = [[row[n] for n in kept] for row in self.rows]
+        return replace(self, columns=[self.columns[n] for n in kept], rows=rows)
 
 
 Block = Words | Equations | Break | Tabular
@@ -122,6 +132,11 @@ class Chapter(Words):
 
     blocks: Sequence[Block]
     new_page: bool = False
+
+    @classmethod
+    def of(cls, title: str, *blocks: Block, new_page: bool = False) -> Chapter:
+        """Return a chapter of some blocks."""
+        return cls(title, blocks, new_page)
 
 
 @dataclass(frozen=True)
@@ -146,9 +161,9 @@ class Document:
     chapters: Sequence[Chapter]
 
 
-def right(*headings: str) -> list[Column]:
+def right(*headings: str, detail: bool = False) -> list[Column]:
     """Return columns of numbers."""
-    return [Column(heading, "right") for heading in headings]
+    return [Column(heading, "right", detail=detail) for heading in headings]
 
 
 def left(*headings: str) -> list[Column]:
@@ -164,16 +179,6 @@ def wide(heading: str, share: float = 1, *, detail: bool = False) -> Column:
 def equations(*lines: str) -> Equations:
     """Return equations, the names on a line parted by spaces."""
     return Equations([line.split() for line in lines])
-
-
-def chapter(title: str, *blocks: Block, new_page: bool = False) -> Chapter:
-    """Return a chapter."""
-    return Chapter(title, blocks, new_page)
-
-
-def titled(table: Tabular, *after: Block) -> list[Block]:
-    """Return a table under its title, and what follows it; nothing where it has no rows."""
-    return [Heading(table.title), table, *after] if table.rows else []
 
 
 def symbol(text: str) -> Cell:

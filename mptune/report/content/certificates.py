@@ -14,10 +14,8 @@ from mptune.report.blocks import (
     Prose,
     Row,
     Tabular,
-    chapter,
     left,
     right,
-    titled,
     verdict,
     wide,
 )
@@ -53,7 +51,7 @@ def certificates(results: Results) -> Chapter | None:
     found = results.sweep.certificates
     if found is None:
         return None
-    return chapter(
+    return Chapter.of(
         "Certified worst cases",
         Prose(
             "Over the whole continuous box of mass, delay and time constants and all frequencies, "
@@ -66,12 +64,12 @@ def certificates(results: Results) -> Chapter | None:
             "nominal plant until a model fails; 1 is the box as it is.",
             "certificates",
         ),
-        *titled(bounds(found)),
+        *bounds(found).titled(),
         Note(
             "Attained ≤ guaranteed (≥ for the disk margin); ∞: the box holds an unstable plant. "
             "What could not be closed within its budget is marked open; both bounds then hold."
         ),
-        *titled(radii(found)),
+        *radii(found).titled(),
     )
 
 

@@ -21,10 +21,8 @@ from mptune.report.blocks import (
     Prose,
     Row,
     Tabular,
-    chapter,
     left,
     right,
-    titled,
     verdict,
     wide,
 )
@@ -50,7 +48,7 @@ def linear_check(results: Results) -> Chapter | None:
     """Return the sampled linear loop's movement sets."""
     if not results.moves:
         return None
-    return chapter(
+    return Chapter.of(
         "Linear check",
         Prose(
             "The gains on the linear loop as it runs: held over the sampling period, discretised "
@@ -82,7 +80,8 @@ def movement_sets(own: Sequence[LinearMove], moves: Sequence[LinearMove]) -> Tab
         ]
         for case, before in zip(moves, own, strict=True)
     ]
-    columns = right("Mass", "Delay", "Oil", "Index [ms],\nown gains", "these gains", "paper")
+    index = ("Index [ms]\nown gains", "Index [ms]\nthese gains", "Index [ms]\npaper")
+    columns = right("Mass", "Delay", "Oil", *index)
     return Tabular("Linear check: sampled loop with its filters", columns, rows)
 
 
@@ -100,7 +99,7 @@ def nonlinear_machine(results: Results) -> Chapter | None:
         )
         traces += [Break(), Figure(caption, machine_figure(case.mass_kg))]
     table = machines(verified)
-    return chapter(
+    return Chapter.of(
         table.title,
         Prose(
             "The exported gains on the bundled simulator: valves with delays of their own and "
@@ -113,13 +112,13 @@ def nonlinear_machine(results: Results) -> Chapter | None:
             "Means over the movement sets; final error and converter position are the largest. "
             "Loss: accumulator power less piston power, per millimetre of travel."
         ),
-        *titled(_measured(verified)),
+        *_measured(verified).titled(),
         Note(
             "The paper's figures are of its published gains; here the gains of the first page were "
             "used. Predicted: without fitting. Calibrated: the loss through the reading of "
             "Q_conv, the force error through the position noise."
         ),
-        *titled(_other_systems()),
+        *_other_systems().titled(),
         *traces,
         new_page=True,
     )

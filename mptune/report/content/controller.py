@@ -13,12 +13,10 @@ from mptune.report.blocks import (
     Prose,
     Row,
     Tabular,
-    chapter,
     equations,
     left,
     right,
     symbol,
-    titled,
     wide,
 )
 from mptune.signals.tustin import discretise
@@ -54,15 +52,15 @@ def controller(results: Results) -> Chapter:
     ]
     columns = [*left("Symbol"), *right("Value"), *left("Unit"), wide("Meaning")]
     period = shown(settings.sampling_period, "s")
-    return chapter(
+    return Chapter.of(
         "The controller",
         Prose("Velocity controller, position controller, and what reaches the force controller:"),
         equations("eq18 eq22", "fref"),
-        *titled(Tabular("Continuous, SI", columns, gains)),
+        *Tabular("Continuous, SI", columns, gains).titled(),
         Heading(f"Discrete: Tustin's approximation at T_S = {period}"),
         equations("tustin"),
         Tabular("Discrete", columns, discrete),
-        *titled(_filters(settings)),
+        *_filters(settings).titled(),
         Note(
             "Positions and pressures pass a median of three samples before their first-order "
             "filter; the velocity is Eq. 23 of the filtered position:"

@@ -15,12 +15,11 @@ from mptune.report.blocks import (
     left,
     right,
     symbol,
-    titled,
     verdict,
     wide,
 )
 from mptune.report.content.closed_loop import index_text, milliseconds, of_mass
-from mptune.report.content.tradeoff import indices
+from mptune.report.content.tradeoff import controllers
 from mptune.robust.result import Status
 from mptune.robust.tables import place_text, undecided_text
 from mptune.units import number, shown
@@ -46,14 +45,14 @@ def front_page(results: Results) -> FrontPage:
         gains((swept.gains, ahead[0]), (results.published.gains, ahead[1])),
         requirements(swept.checks),
         _paper(results),
-        indices(results.leftovers.compared),
+        controllers(results.leftovers.compared).brief(),
     )
     return FrontPage(
         about=[f"{words}measurement path in the model: {study.study.model.measurement_path}"],
         headline=headline(met=results.satisfied),
         status=list(_status(results)),
         warnings=warnings(swept),
-        blocks=[block for table in tables for block in titled(table)],
+        blocks=[block for table in tables for block in table.titled()],
     )
 
 

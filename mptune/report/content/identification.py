@@ -12,7 +12,6 @@ from mptune.report.blocks import (
     Prose,
     Row,
     Tabular,
-    chapter,
     equations,
     left,
     right,
@@ -44,7 +43,7 @@ def identification(results: Results) -> Chapter | None:
         for name in sorted(results.leftovers.figures or ())
         if name.startswith("identification")
     ]
-    return chapter(
+    return Chapter.of(
         "Identification of the force loop",
         Prose("The force controller on the nonlinear machine, excited at Eq. 13's points, beside"),
         equations("eq11"),

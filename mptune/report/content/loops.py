@@ -14,12 +14,10 @@ from mptune.report.blocks import (
     Prose,
     Row,
     Tabular,
-    chapter,
     equations,
     left,
     right,
     symbol,
-    titled,
     verdict,
     wide,
 )
@@ -43,7 +41,7 @@ def inequalities(results: Results) -> Chapter:
     swept = {"study's own": results.published}
     if results.tuned is not None:
         swept["tuned"] = results.sweep
-    return chapter(
+    return Chapter.of(
         "Both inequalities and step responses",
         Prose("Nominal and true velocity plant, the true one with the force loop of Eq. 11:"),
         equations("eq14 eq15", "eq11"),
@@ -68,7 +66,7 @@ def inequalities(results: Results) -> Chapter:
             "Certified ratios hold over the whole box and all frequencies, up to the bound beside "
             "them; a grid's can only miss higher ones."
         ),
-        *titled(_influences(results), _DRIVEN),
+        *_influences(results).titled(_DRIVEN),
         new_page=True,
     )
 
@@ -152,7 +150,7 @@ _DRIVEN = Note(
 
 def loop_plots(results: Results) -> Chapter:
     """Return the loops' Bode and Nyquist plots, encirclements and margins."""
-    return chapter(
+    return Chapter.of(
         "Bode and Nyquist plots, margins",
         Figure(
             "Loop gains over the family: velocity loop, and position loop with the velocity loop "
@@ -166,8 +164,8 @@ def loop_plots(results: Results) -> Chapter:
             "sensitivity's magnitude is 2. Positive frequencies only.",
             "nyquist",
         ),
-        *titled(_encirclements(results), _COUNTED),
-        *titled(margins(results.sweep)),
+        *_encirclements(results).titled(_COUNTED),
+        *margins(results.sweep).titled(),
         Note(
             "Smallest or largest over all plants; the delay margin is the least φ(ω)/ω over the "
             "crossovers, α the symmetric disk margin. A dash: some plant is unstable, so that the "
@@ -229,7 +227,7 @@ def sensitivities(results: Results) -> Chapter:
     peaks = [
         number(family.worst("sensitivity_peak", FORCE)[0], 3) for family in results.sweep.families
     ]
-    return chapter(
+    return Chapter.of(
         "Sensitivity functions and load step",
         Figure(
             "|S| and |T| of the velocity loop, of the position loop and of the loop at F_ref over "
@@ -254,7 +252,7 @@ def gain_chain(results: Results) -> Chapter | None:
     if not results.chain:
         return None
     table = gain_factors(results.chain)
-    return chapter(
+    return Chapter.of(
         table.title,
         Figure(
             "Factor on K_P,vel, which multiplies all of F_ref, at which stability is lost, or for "

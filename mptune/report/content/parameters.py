@@ -15,7 +15,6 @@ from mptune.report.blocks import (
     Row,
     Tabular,
     symbol,
-    titled,
     wide,
 )
 from mptune.units import shown
@@ -57,7 +56,7 @@ def _sections(study: ResolvedStudy) -> Iterator[Block]:
             for key, unit, mark, meaning in part.quantities()
             if getattr(part, key) is not None
         ]
-        yield from titled(Tabular(name, columns, rows))
+        yield from Tabular(name, columns, rows).titled()
 
 
 def ledger(_results: Results | None = None) -> Chapter:

@@ -5,19 +5,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any
 
 from mptune.report.blocks import (
-    Cell,
     Chapter,
     Figure,
     Note,
     Prose,
     Row,
     Tabular,
-    chapter,
     left,
     right,
     verdict,
 )
-from mptune.tune.baselines import LABELS
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -38,7 +35,7 @@ def comparison(results: Results) -> Chapter | None:
     if not results.leftovers.compared:
         return None
     table = controllers(results.leftovers.compared)
-    return chapter(
+    return Chapter.of(
         table.title,
         Figure(
             "Right-hand side of Eq. 21 for each controller above the family's error, and the worst "
@@ -55,31 +52,21 @@ def comparison(results: Results) -> Chapter | None:
 
 def controllers(compared: Iterable[dict[str, Any]]) -> Tabular:
     """Return compared controllers with their figures, as JSON has them."""
+    from mptune.tune.baselines import LABELS  # with all of the tuner, which a sweep does without
+
     rows: list[Row] = [
         [
             LABELS[one["structure"]],
             *_figures(one["figures"]),
             f"{one['velocity_worst_ratio']:.3f}",
             f"{one['position_worst_ratio']:.3f}",
-            _status(one),
+            verdict(one["status"] or "not tuned", good=one["satisfied"]),
         ]
         for one in compared
     ]
-    columns = [*left("Controller"), *right(*_FIGURES, "Eq. 17", "Eq. 21"), *left("Status")]
+    detail = right(*_FIGURES[1:], "Eq. 17", "Eq. 21", detail=True)
+    columns = [*left("Controller"), *right(_FIGURES[0]), *detail, *left("Status")]
     return Tabular("Controllers under the same requirements", columns, rows)
-
-
-def indices(compared: Iterable[dict[str, Any]]) -> Tabular:
-    """Return the tracking index alone of compared controllers."""
-    rows: list[Row] = [
-        [LABELS[one["structure"]], _figures(one["figures"])[0], _status(one)] for one in compared
-    ]
-    columns = [*left("Controller"), *right("Tracking index [ms]"), *left("Status")]
-    return Tabular("Beside simpler controllers under the same requirements", columns, rows)
-
-
-def _status(one: dict[str, Any]) -> Cell:
-    return verdict(one["status"] or "not tuned", good=one["satisfied"])
 
 
 def front(results: Results) -> Chapter | None:
@@ -87,7 +74,7 @@ def front(results: Results) -> Chapter | None:
     if not results.leftovers.front:
         return None
     table = points(results.leftovers.front)
-    return chapter(
+    return Chapter.of(
         table.title,
         Prose(
             "The least tracking index for each integral gain, from where tracking is best to the "

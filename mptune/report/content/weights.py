@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from mptune.report.blocks import Chapter, Figure, Prose, Row, Tabular, chapter, left, right
+from mptune.report.blocks import Chapter, Figure, Prose, Row, Tabular, left, right
 from mptune.sim.merit import merit
 from mptune.units import number
 from mptune.weigh.trial import OBJECTIVES
@@ -30,7 +30,7 @@ def weights(results: Results) -> Chapter | None:
         return None
     reason = next((one["reason"] for one in found if "reason" in one), "")
     table = trials("The force controller's weights", found)
-    return chapter(
+    return Chapter.of(
         table.title,
         Figure("The trials' figures, the front, and the study's own weights.", "weights"),
         Prose(

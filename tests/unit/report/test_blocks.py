@@ -6,16 +6,16 @@ import pytest
 
 from mptune.report.blocks import (
     Break,
+    Chapter,
     Heading,
     Note,
     Prose,
     Tabular,
     Words,
-    chapter,
     plain,
     right,
     symbol,
-    titled,
+    wide,
 )
 
 
@@ -55,7 +55,7 @@ def test_cells_carry_their_look_and_columns_their_side():
 
 
 def test_a_chapter_keeps_its_blocks_in_order():
-    one = made(chapter("Title of F_ref", Prose("a"), Break(), Note("b"), new_page=True))
+    one = made(Chapter.of("Title of F_ref", Prose("a"), Break(), Note("b"), new_page=True))
     assert [block["kind"] for block in one["blocks"]] == ["prose", "break", "note"]
     assert one["text"] == "Title of F_ref"
     assert [run["sub"] for run in one["runs"]] == [False, True]
@@ -64,10 +64,18 @@ def test_a_chapter_keeps_its_blocks_in_order():
 
 def test_a_table_without_rows_has_no_heading_and_nothing_after_it():
     empty, full = Tabular("Title", right("a"), []), Tabular("Title", right("a"), [["1"]])
-    assert titled(empty, Note("said of it")) == []
-    assert titled(full, Note("said of it")) == [Heading("Title"), full, Note("said of it")]
+    assert empty.titled(Note("said of it")) == []
+    assert full.titled(Note("said of it")) == [Heading("Title"), full, Note("said of it")]
 
 
 def test_parts_of_different_kinds_differ():
     assert Prose("a") == Prose("a")
     assert Prose("a") != Note("a")
+
+
+def test_a_brief_table_leaves_out_its_columns_of_detail_only():
+    columns = [*right("a"), *right("b", detail=True), wide("c"), wide("d", detail=True)]
+    brief = Tabular("Title", columns, [["1", "2", "3", "4"]]).brief()
+    assert [column.text for column in brief.columns] == ["a", "c"]
+    assert brief.rows == [["1", "3"]]
+    assert brief.title == "Title"
