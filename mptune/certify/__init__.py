@@ -30,7 +30,7 @@ What is not claimed
 =============  =====================================================================================
 File           Holds
 =============  =====================================================================================
-``problem``    ``Problem``, ``Box``, ``Point``: what is asked about
+``problem``    ``BoxedLoop``, ``PlantBox``, ``Point``: what is asked about
 ``bounds``     ``bound``: one figure, attained and guaranteed
 ``stability``  ``box_stability``: all plants stable, or a witness
 ``radius``     ``radius``: by what factor the box may grow

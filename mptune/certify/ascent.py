@@ -20,7 +20,7 @@ from mptune.loops.broken import SAMPLED
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.certify.form import Form
-    from mptune.certify.problem import Problem
+    from mptune.certify.problem import BoxedLoop
     from mptune.certify.proof import Proof
 
 SMALLEST = 1e-3  # a figure below it is not told apart from it
@@ -34,7 +34,7 @@ _NOWHERE = np.empty(0)
 
 
 def attain(
-    problem: Problem, form: Form, curve: FloatArray, tolerance: float
+    problem: BoxedLoop, form: Form, curve: FloatArray, tolerance: float
 ) -> tuple[float, FloatArray, FloatArray]:
     """Return a high value of a figure, its place, and the box of coordinates to be proved.
 

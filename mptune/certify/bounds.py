@@ -17,14 +17,14 @@ from mptune.loops.broken import POSITION
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.certify.form import Form
-    from mptune.certify.problem import Point, Problem
+    from mptune.certify.problem import BoxedLoop, Point
 
 TOLERANCE = 1e-3  # ε
 BUDGET = 1_000_000  # boxes, at most, before a bound is given up for a higher one
 
 
 def bound(
-    problem: Problem,
+    problem: BoxedLoop,
     loop: str,
     path: str,
     figure: str,
@@ -94,7 +94,7 @@ def _no_loop(form: Form) -> bool:
 
 
 def _corner_witness(
-    problem: Problem, form: Form, loop: str, path: str
+    problem: BoxedLoop, form: Form, loop: str, path: str
 ) -> tuple[Point | None, bool]:
     """Return a corner of the box that makes the figure infinite, if any, and whether that is known.
 
@@ -111,7 +111,7 @@ def _corner_witness(
 
 
 def _witness_near(
-    problem: Problem, form: Form, place: FloatArray, loop: str, path: str
+    problem: BoxedLoop, form: Form, place: FloatArray, loop: str, path: str
 ) -> Point | None:
     """Return the same, looked for beside a place where the figure is very high."""
     if form.figure == EQUATION_17:

@@ -15,7 +15,7 @@ from mptune.certify.problem import edges_of
 from mptune.certify.proof import Proof
 
 if TYPE_CHECKING:
-    from mptune.certify.problem import Problem
+    from mptune.certify.problem import BoxedLoop
 
 TOLERANCE = 1e-2
 BUDGET = 100_000  # boxes per interval
@@ -47,7 +47,7 @@ class Envelope:
 
 
 def envelope(
-    problem: Problem,
+    problem: BoxedLoop,
     loop: str,
     path: str,
     figure: str,

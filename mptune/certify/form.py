@@ -10,7 +10,7 @@ from mptune.loops.broken import FORCE, POSITION, SAMPLED, VELOCITY
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.certify.problem import Problem
+    from mptune.certify.problem import BoxedLoop
     from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant
 
 EQUATION_17, EQUATION_21, MIXTURE = 0, 1, 2
@@ -41,7 +41,7 @@ class Form(NamedTuple):
     period: float  # s, T_S
 
 
-def form_of(problem: Problem, loop: str, path: str, figure: str) -> Form:
+def form_of(problem: BoxedLoop, loop: str, path: str, figure: str) -> Form:
     """Return a figure as kernels take it.
 
     Raises

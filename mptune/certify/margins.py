@@ -33,7 +33,7 @@ from mptune.certify.stability import (
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.certify.form import Form
-    from mptune.certify.problem import Point, Problem
+    from mptune.certify.problem import BoxedLoop, Point
 
 MARGINS = ("gain_margin", "phase_margin", "delay_margin")
 TOLERANCE = 1e-2
@@ -46,7 +46,7 @@ _BISECTIONS = 50
 
 
 def margin(
-    problem: Problem,
+    problem: BoxedLoop,
     path: str,
     name: str,
     *,
@@ -102,7 +102,7 @@ def margin(
     return replace(found, at=at)
 
 
-def _phase_margin(problem: Problem, path: str, tolerance: float, budget: int) -> Bracket:
+def _phase_margin(problem: BoxedLoop, path: str, tolerance: float, budget: int) -> Bracket:
     """Return the phase margin: the least of single plants, and a proof a little below it."""
     form = form_of(problem, "force_reference", path, "sensitivity_peak")
     end = axis_end(problem, form)

@@ -42,7 +42,7 @@ class Point(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Box:
+class PlantBox:
     """A continuous box of plants of Eq. 15, and the nominal plant of Eq. 14.
 
     Attributes
@@ -79,7 +79,7 @@ class Box:
         sides = (self.mass, self.delay, self.tau_a, self.tau_b)
         return plants_of(list(product(*(sorted(set(side)) for side in sides))), share_a)
 
-    def grown(self, factor: float, least_delay: float = 0.0) -> Box:
+    def grown(self, factor: float, least_delay: float = 0.0) -> PlantBox:
         """Return the box grown about the nominal plant: x_N + factor·(x − x_N), with τ_N = 0.
 
         Masses stay above ``LEAST_MASS`` times the nominal one, delays at or above ``least_delay``
@@ -95,7 +95,7 @@ class Box:
         )
         return self if factor == 1 and least_delay <= self.delay[0] else grown
 
-    def joined(self, other: Box) -> Box:
+    def joined(self, other: PlantBox) -> PlantBox:
         """Return the least box that holds both."""
         return replace(
             self,
@@ -123,7 +123,7 @@ def plants_of(rows: object, share_a: float) -> Plants:
 
 
 @dataclass(frozen=True)
-class Problem:
+class BoxedLoop:
     """A box of plants and the loop around them.
 
     Attributes
@@ -140,18 +140,18 @@ class Problem:
         T_S [s], a whole number of the filters' sample times.
     """
 
-    box: Box
+    box: PlantBox
     gains: LoopGains
     filters: MeasurementPath
     share_a: float
     period: float
 
     @classmethod
-    def of(cls, study: ResolvedStudy, gains: Gains | None = None) -> Problem:
+    def of(cls, study: ResolvedStudy, gains: Gains | None = None) -> BoxedLoop:
         """Return the study's problem, with other gains where they are given."""
         uncertainty, controller = study.uncertainty, study.study.controller
         derived_a, derived_b = derived_time_constants(study)
-        box = Box(
+        box = PlantBox(
             pack_nominal(study),
             uncertainty.mass,
             uncertainty.delay,
@@ -176,7 +176,7 @@ class Problem:
         return self.box.delay[0] >= self.period / 2 and self.filters.sample_time > 0
 
 
-def edges_of(problem: Problem, omega: Interval, phase: float = 0.0) -> FloatArray:
+def edges_of(problem: BoxedLoop, omega: Interval, phase: float = 0.0) -> FloatArray:
     """Return a box of coordinates as kernels take it, ``(2, 6)``: ω, m_N/m, d, τ_A, τ_B, φ.
 
     m_N/m is rounded outwards.

@@ -24,7 +24,7 @@ from mptune.certify.stability import point_of, stable_plants, verdict_from
 from mptune.certify.tails import tail_start
 
 if TYPE_CHECKING:
-    from mptune.certify.problem import Point, Problem
+    from mptune.certify.problem import BoxedLoop, Point
 
 RADII = ("equation_17", "equation_21", "none", "filters", "sampled")
 TOLERANCE = 1e-2
@@ -34,7 +34,7 @@ _BUDGET = 300_000  # boxes per factor
 
 
 def radius(
-    problem: Problem,
+    problem: BoxedLoop,
     until: str,
     *,
     path: str = "none",
@@ -83,7 +83,7 @@ def radius(
 
 
 def _equation_holds(
-    inside: Problem, hull: Problem, equation: str, path: str, budget: int
+    inside: BoxedLoop, hull: BoxedLoop, equation: str, path: str, budget: int
 ) -> tuple[Stability, Point | None, int]:
     """Return whether the ratio is below 1 in a hull of grown boxes, or above in the one inside."""
     loop = "velocity" if equation == "equation_17" else "position"
@@ -99,7 +99,7 @@ def _equation_holds(
     return Stability.UNDECIDED, None, proof.boxes
 
 
-def _nominal_stable(problem: Problem, path: str, floor: float) -> bool:
+def _nominal_stable(problem: BoxedLoop, path: str, floor: float) -> bool:
     """Return whether the nominal plant, from which the box grows, is surely stable."""
     mass, delay = problem.box.nominal
     stable, _ = stable_plants(

@@ -31,7 +31,7 @@ from mptune.loops.stability import count_unstable_poles
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, FloatArray
     from mptune.certify.form import Form
-    from mptune.certify.problem import Problem
+    from mptune.certify.problem import BoxedLoop
     from mptune.params.pack import Plants
 
 BUDGET = 300_000  # boxes
@@ -42,7 +42,7 @@ _ASIDE = (0.0, 1e-4, 1e-3, 1e-2, 0.1)  # of the way to a corner: where a witness
 
 
 def stable_plants(
-    problem: Problem, plants: Plants, path: str, loop: str = "force_reference"
+    problem: BoxedLoop, plants: Plants, path: str, loop: str = "force_reference"
 ) -> tuple[BoolArray, BoolArray]:
     """Return ``(N,)`` whether the loops of single plants are stable, and whether that is sure.
 
@@ -59,7 +59,7 @@ def stable_plants(
 
 
 def box_stability(
-    problem: Problem, path: str, loop: str = "force_reference", budget: int = BUDGET
+    problem: BoxedLoop, path: str, loop: str = "force_reference", budget: int = BUDGET
 ) -> BoxStability:
     """Prove the loops of all plants of the box stable, or find one that is not.
 
@@ -81,7 +81,9 @@ def box_stability(
     return verdict_from(problem, problem, path, loop, budget)
 
 
-def verdict_from(inside: Problem, hull: Problem, path: str, loop: str, budget: int) -> BoxStability:
+def verdict_from(
+    inside: BoxedLoop, hull: BoxedLoop, path: str, loop: str, budget: int
+) -> BoxStability:
     """Return the verdict on a box, given that some plant of a ``hull`` about it is stable.
 
     The proof is tried on the hull, with little effort before the corners of the box ``inside`` are
@@ -100,7 +102,7 @@ def verdict_from(inside: Problem, hull: Problem, path: str, loop: str, budget: i
     return verdict(loop, path, witness, point_of(inside, proof.point), proof.boxes)
 
 
-def axis_end(problem: Problem, form: Form) -> float:
+def axis_end(problem: BoxedLoop, form: Form) -> float:
     """Return the frequency [rad/s] beyond which no loop of the box comes near −1."""
     if form.loop == SAMPLED:
         return float(np.pi / form.period)
@@ -117,7 +119,7 @@ def verdict(
 
 
 @lru_cache(maxsize=512)
-def corner_verdict(problem: Problem, path: str, loop: str) -> tuple[Point | None, bool]:
+def corner_verdict(problem: BoxedLoop, path: str, loop: str) -> tuple[Point | None, bool]:
     """Return an unstable corner of the box, if any, and whether some corner is surely stable."""
     corners = problem.box.corners(problem.share_a)
     stable, decided = stable_plants(problem, corners, path, loop)
@@ -133,7 +135,7 @@ def first_unstable(plants: Plants, stable: BoolArray, decided: BoolArray) -> Poi
     return Point(mass, delay, tau_a, tau_b, float("nan"))
 
 
-def point_of(problem: Problem, place: FloatArray) -> Point:
+def point_of(problem: BoxedLoop, place: FloatArray) -> Point:
     """Return a place in coordinates as a plant of the box and a frequency."""
     box = problem.box
     mass = min(max(box.nominal.mass / float(place[RATIO]), box.mass[0]), box.mass[1])
@@ -141,7 +143,7 @@ def point_of(problem: Problem, place: FloatArray) -> Point:
     return Point(float(mass), delay, tau_a, tau_b, omega)
 
 
-def witness_near(problem: Problem, place: FloatArray, path: str, loop: str) -> Point | None:
+def witness_near(problem: BoxedLoop, place: FloatArray, path: str, loop: str) -> Point | None:
     """Return an unstable plant of the box beside a place on the boundary of stability, if any."""
     at = np.array(point_of(problem, place)[:4])
     box = problem.box

@@ -13,6 +13,7 @@ from rich.progress import (
     TextColumn,
     TimeElapsedColumn,
 )
+from rich.progress import Progress as Bars
 
 from mptune.cli.interrupt import interruptible
 from mptune.cli.terminal import as_json, files, opening, show

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from mptune.certify.bounds import TOLERANCE, bound
 from mptune.certify.margins import margin
-from mptune.certify.problem import Box, Problem
+from mptune.certify.problem import BoxedLoop, PlantBox
 from mptune.certify.radius import radius
 from mptune.certify.stability import box_stability
 from mptune.loops.family import ranges_of
@@ -54,10 +54,10 @@ class Grounds(StrEnum):
     OPEN = "open"  # the proof was not finished within its budget, or lies across the limit
 
 
-def problem_of(model: LinearModel, gains: LoopGains) -> Problem:
+def problem_of(model: LinearModel, gains: LoopGains) -> BoxedLoop:
     """Return what is to be certified of a model under a set of gains."""
-    box = Box(model.nominal, *ranges_of(model.study))
-    return Problem(box, gains, model.filters, float(model.plants.share_a[0]), model.period)
+    box = PlantBox(model.nominal, *ranges_of(model.study))
+    return BoxedLoop(box, gains, model.filters, float(model.plants.share_a[0]), model.period)
 
 
 @dataclass(frozen=True, repr=False)
@@ -79,7 +79,7 @@ class Certificates(Summarised):
         By the keys of ``RADII``, the factor by which the box may grow; empty where not asked for.
     """
 
-    problem: Problem
+    problem: BoxedLoop
     bounds: tuple[Bound, ...]
     stability: tuple[BoxStability, ...]
     radii: dict[str, Bracket] = field(default_factory=dict)
@@ -176,7 +176,7 @@ def _spread(work: Callable[[_Name], _Value], names: Sequence[_Name]) -> list[_Va
         return list(team.map(work, names))
 
 
-def against(problem: Problem, found: Bound, limit: float) -> tuple[Bound, Grounds]:
+def against(problem: BoxedLoop, found: Bound, limit: float) -> tuple[Bound, Grounds]:
     """Return a bound fine enough to tell on which side of a limit the figure lies, if it can be.
 
     The limit is the largest allowed, for a disk margin the smallest.
@@ -193,7 +193,7 @@ def _astride(found: Bound, limit: float) -> bool:
     return low <= limit < high if found.figure != "disk_margin" else low < limit <= high
 
 
-def use_of_curve(problem: Problem, name: tuple[str, str, str], curve: RatioCurve) -> Bound:
+def use_of_curve(problem: BoxedLoop, name: tuple[str, str, str], curve: RatioCurve) -> Bound:
     """Return the largest quotient of a ratio and what a curve over frequency allows."""
     used = bound(problem, *name, allowed=curve)
     tolerance = TOLERANCE
@@ -203,7 +203,7 @@ def use_of_curve(problem: Problem, name: tuple[str, str, str], curve: RatioCurve
     return used
 
 
-def margin_against(problem: Problem, name: str, limit: float) -> tuple[Bracket, Grounds]:
+def margin_against(problem: BoxedLoop, name: str, limit: float) -> tuple[Bracket, Grounds]:
     """Return a margin's bracket at F_ref as it runs, closed until a limit lies outside it."""
     tolerance = 1e-2
     found = margin(problem, "sampled", name, tolerance=tolerance)

@@ -15,7 +15,7 @@ from mptune.certify.climb import explore, figure_at
 from mptune.certify.enclosure import OMEGA, SIDES
 from mptune.certify.form import curve_of, form_of
 from mptune.certify.margins import MARGINS, margin
-from mptune.certify.problem import PATHS, Problem, edges_of
+from mptune.certify.problem import PATHS, BoxedLoop, edges_of
 from mptune.certify.radius import RADII, radius
 from mptune.certify.stability import box_stability, corner_verdict
 from tests.certified import (
@@ -35,7 +35,7 @@ SETS = ("", "section-5-1")
 
 @pytest.fixture(scope="module", params=SETS, ids=["fig_5", "section_5_1"])
 def problem(request, load_boom):
-    return Problem.of(load_boom(uncertainty=request.param))
+    return BoxedLoop.of(load_boom(uncertainty=request.param))
 
 
 def timed(work):

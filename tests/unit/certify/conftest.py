@@ -6,15 +6,15 @@ from dataclasses import replace
 
 import pytest
 
-from mptune.certify.problem import Problem
+from mptune.certify.problem import BoxedLoop
 
 
 @pytest.fixture(scope="session")
 def published(load_boom):
     """The published gains over both boxes."""
     return {
-        "fig_5": Problem.of(load_boom()),
-        "section_5_1": Problem.of(load_boom(uncertainty="section-5-1")),
+        "fig_5": BoxedLoop.of(load_boom()),
+        "section_5_1": BoxedLoop.of(load_boom(uncertainty="section-5-1")),
     }
 
 

@@ -5,14 +5,14 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mptune.certify.problem import Box, edges_of
+from mptune.certify.problem import PlantBox, edges_of
 from mptune.params.pack import NominalPlant
 
 SIDES = {"mass": (20e3, 40e3), "delay": (0.01, 0.02), "tau_a": (0.001, 0.01), "tau_b": (0.0, 0.02)}
 
 
 def box(**sides):
-    return Box(NominalPlant(25e3, 0.012), **{**SIDES, **sides})
+    return PlantBox(NominalPlant(25e3, 0.012), **{**SIDES, **sides})
 
 
 @pytest.mark.parametrize(
@@ -51,7 +51,7 @@ def test_growth_stops_at_floors():
 
 
 def test_boxes_are_joined_and_the_nominal_plant_is_one_of_them():
-    far = Box(NominalPlant(50e3, 0.005), **SIDES)
+    far = PlantBox(NominalPlant(50e3, 0.005), **SIDES)
     joined = far.joined(far.grown(0.0))
     assert joined.mass == (20e3, 50e3)
     assert joined.delay == (0.005, 0.02)

@@ -13,7 +13,7 @@ from mptune.report.content.loops import condition_text, conditions, margins
 from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
 from mptune.tune.objective import Figures
-from mptune.tune.result import Blocking, Relief, TuneResult, TuneStatus
+from mptune.tune.result import Blocking, Concession, TuneResult, TuneStatus
 from mptune.verify.result import CaseResult, CaseStatus, VerifyResult
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
@@ -102,7 +102,9 @@ def test_feedforward_is_left_out_where_it_is_off_on_both_sides(swept):
 
 def test_a_blocked_tuning_says_what_blocks_and_what_would_have_to_give(swept):
     figures = Figures(0.014, 22.0, 1.3e-7, 16.0)
-    blocking = Blocking("velocity_ratio", 0.5, None, "allow more", (Relief("noise_gain", 1.25),))
+    blocking = Blocking(
+        "velocity_ratio", 0.5, None, "allow more", (Concession("noise_gain", 1.25),)
+    )
     own = swept.gains
     tuned = TuneResult(
         TuneStatus.INFEASIBLE, "eq22", own, Feedforward(), own, replace(figures, tracking=0.011),
@@ -119,9 +121,9 @@ def test_a_blocked_tuning_says_what_blocks_and_what_would_have_to_give(swept):
 def test_a_machine_that_broke_a_limit_says_which_and_when(swept):
     broken = CaseResult(
         24500.0, (5e-3, 8e-3), 8e8, 9700.0, 3, CaseStatus.LIMIT_BROKEN, "piston at its end", 1.25,
-        (), np.zeros((0, 15)),
+        (), None, np.zeros((0, 15)),
     )  # fmt: skip
-    table = machines(VerifyResult(swept.study, swept.gains, (broken,)))
+    table = machines(VerifyResult(swept.study, swept.gains, Feedforward(), (broken,)))
     words = "limit broken, piston at its end from 1.2 s on"
     assert column(table, "Status") == [verdict(words, good=False)]
     assert column(table, "Index\n[ms]") == ["—"]

@@ -7,8 +7,8 @@ import pytest
 
 from mptune.loops.broken import FORCE
 from mptune.params.pack import Plants
+from mptune.robust.family import Family
 from mptune.robust.margins import Margins
-from mptune.robust.result import Family
 
 # What a plant may bear: of peaks and of the least gain that keeps a loop stable, the largest binds.
 DIRECTION = {
