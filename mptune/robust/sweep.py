@@ -240,7 +240,7 @@ def _conditions(
                 at=ratio.at,
                 worst_use=use.attained,
                 worst_use_at=use.at,
-                low_frequency_limit=ratio.at.frequency_rad_s <= omega[0],
+                low_frequency_limit=bool(ratio.at.frequency_rad_s <= omega[0]),
                 nominal_stable=bool(premise.nominal.stable[0]),
                 poles_equal=premise.equal,
                 status=status,
