@@ -12,7 +12,7 @@ from mptune.certify.climb import figure_at
 from mptune.certify.enclosure import OMEGA, SIDES, enclose, plant_over
 from mptune.certify.figures import coefficients
 from mptune.certify.form import curve_of, form_of
-from mptune.certify.problem import PATHS, Box, Problem, edges_of
+from mptune.certify.problem import PATHS, BoxedLoop, PlantBox, edges_of
 from mptune.certify.proof import Proof
 from mptune.certify.rows import FIXED, PER_DUAL
 from mptune.certify.sampled import shifts_up_to
@@ -66,8 +66,8 @@ def random_problem(rng):
     )
     fast, lag = 0.0005, rng.choice([0.003, 0.012])
     filters = MeasurementPath(fast, math.exp(-fast / lag), float(lag))
-    return Problem(
-        Box(nominal, mass, delay, tau_a, tau_b), gains, filters, rng.uniform(0.4, 0.8), 0.01
+    return BoxedLoop(
+        PlantBox(nominal, mass, delay, tau_a, tau_b), gains, filters, rng.uniform(0.4, 0.8), 0.01
     )
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mptune.loops.family import derived_time_constants
+from mptune.loops.family import ranges_of
 from mptune.params.pack import (
     NO_PATH,
     LoopGains,
@@ -149,17 +149,9 @@ class BoxedLoop:
     @classmethod
     def of(cls, study: ResolvedStudy, gains: Gains | None = None) -> BoxedLoop:
         """Return the study's problem, with other gains where they are given."""
-        uncertainty, controller = study.uncertainty, study.study.controller
-        derived_a, derived_b = derived_time_constants(study)
-        box = PlantBox(
-            pack_nominal(study),
-            uncertainty.mass,
-            uncertainty.delay,
-            derived_a if isinstance(uncertainty.tau_a, str) else uncertainty.tau_a,
-            derived_b if isinstance(uncertainty.tau_b, str) else uncertainty.tau_b,
-        )
+        controller = study.study.controller
         return cls(
-            box,
+            PlantBox(pack_nominal(study), *ranges_of(study)),
             pack_gains(gains or study.study.gains),
             pack_filters(controller),
             study.study.cylinder.share_a,

@@ -18,7 +18,7 @@ import numpy as np
 
 from mptune.certify.enclosure import DELAY, OMEGA, RATIO, TAU_A, TAU_B
 from mptune.certify.form import curve_of, form_of
-from mptune.certify.problem import Point, edges_of, plants_of
+from mptune.certify.problem import Interval, Point, edges_of, plants_of
 from mptune.certify.proof import Proof
 from mptune.certify.result import BoxStability, Stability
 from mptune.certify.search import PROVED
@@ -38,6 +38,7 @@ BUDGET = 300_000  # boxes
 _LITTLE = 20_000
 _END = 10.0  # S is below it where the proof ends: some number above 1
 TERMS = 6  # K of a sampled loop
+_ROUNDED = 1e-12  # relative: nearer to an end of its interval a value is that end
 _ASIDE = (0.0, 1e-4, 1e-3, 1e-2, 0.1)  # of the way to a corner: where a witness is looked for
 
 
@@ -136,11 +137,24 @@ def first_unstable(plants: Plants, stable: BoolArray, decided: BoolArray) -> Poi
 
 
 def point_of(problem: BoxedLoop, place: FloatArray) -> Point:
-    """Return a place in coordinates as a plant of the box and a frequency."""
+    """Return a place in coordinates as a plant of the box and a frequency.
+
+    What lies at an end of its interval but for rounding is put there.
+    """
     box = problem.box
-    mass = min(max(box.nominal.mass / float(place[RATIO]), box.mass[0]), box.mass[1])
-    delay, tau_a, tau_b, omega = (float(place[i]) for i in (DELAY, TAU_A, TAU_B, OMEGA))
-    return Point(float(mass), delay, tau_a, tau_b, omega)
+    values = (box.nominal.mass / place[RATIO], place[DELAY], place[TAU_A], place[TAU_B])
+    sides = (box.mass, box.delay, box.tau_a, box.tau_b)
+    mass, delay, tau_a, tau_b = (
+        _inside(float(one), side) for one, side in zip(values, sides, strict=True)
+    )
+    return Point(mass, delay, tau_a, tau_b, float(place[OMEGA]))
+
+
+def _inside(value: float, side: Interval) -> float:
+    for end in side:
+        if abs(value - end) <= _ROUNDED * end:
+            return end
+    return min(max(value, side[0]), side[1])
 
 
 def witness_near(problem: BoxedLoop, place: FloatArray, path: str, loop: str) -> Point | None:

@@ -7,34 +7,26 @@ certificates are the box's.
 
 from __future__ import annotations
 
-from concurrent.futures import ThreadPoolExecutor
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any
 
 from mptune.certify.bounds import TOLERANCE, bound
 from mptune.certify.margins import margin
-from mptune.certify.problem import BoxedLoop, PlantBox
+from mptune.certify.problem import BoxedLoop
 from mptune.certify.radius import radius
 from mptune.certify.stability import box_stability
-from mptune.loops.family import ranges_of
 from mptune.robust.place import PlantPoint, finite
 from mptune.summary import Summarised
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
-
     from mptune.certify.problem import Point
     from mptune.certify.result import Bound, BoxStability, Bracket
     from mptune.params.pack import LoopGains
     from mptune.params.requirements import RatioCurve
     from mptune.robust.model import LinearModel
 
-_Name = TypeVar("_Name")
-_Value = TypeVar("_Value")
-
 _FINEST = 1e-6  # tolerance at which a limit that lies between both bounds is given up
-_THREADS = 2
 EQUATION_OF = {"velocity": "equation_17", "position": "equation_21"}
 PEAKS = ("sensitivity_peak", "complementary_peak")
 RADII = {  # key in JSON, and what fails
@@ -52,12 +44,6 @@ class Grounds(StrEnum):
     CERTIFIED = "certified"  # the whole box and every frequency, proved
     GRID = "grid only"  # the plants and frequencies that were asked
     OPEN = "open"  # the proof was not finished within its budget, or lies across the limit
-
-
-def problem_of(model: LinearModel, gains: LoopGains) -> BoxedLoop:
-    """Return what is to be certified of a model under a set of gains."""
-    box = PlantBox(model.nominal, *ranges_of(model.study))
-    return BoxedLoop(box, gains, model.filters, float(model.plants.share_a[0]), model.period)
 
 
 @dataclass(frozen=True, repr=False)
@@ -140,7 +126,7 @@ def certify(model: LinearModel, gains: LoopGains) -> Certificates | None:
     """Return what is guaranteed over the box; None where measured responses stand in its place."""
     if model.members is not None and model.members.instead:
         return None
-    problem = problem_of(model, gains)
+    problem = replace(BoxedLoop.of(model.study), gains=gains)
     paths = ("none", "filters", *(("sampled",) if model.runs else ()))
     named = [(loop, model.path_name, equation) for loop, equation in EQUATION_OF.items()]
     named += [
@@ -151,10 +137,10 @@ def certify(model: LinearModel, gains: LoopGains) -> Certificates | None:
         if path != "sampled" or loop == "force_reference"
     ]
     named += [("force_reference", path, "disk_margin") for path in paths]
-    bounds = _spread(lambda name: bound(problem, *name), named)
+    bounds = tuple(bound(problem, *name) for name in named)
     asked = [("velocity", model.path_name), *(("force_reference", path) for path in paths)]
-    stability = _spread(lambda name: box_stability(problem, name[1], name[0]), asked)
-    return Certificates(problem, tuple(bounds), tuple(stability))
+    stability = tuple(box_stability(problem, path, loop) for loop, path in asked)
+    return Certificates(problem, bounds, stability)
 
 
 def radii_of(certificates: Certificates, path: str, tolerance: float = 1e-2) -> dict[str, Bracket]:
@@ -164,16 +150,7 @@ def radii_of(certificates: Certificates, path: str, tolerance: float = 1e-2) -> 
     """
     problem = certificates.problem
     wanted = [name for name in RADII if name != "sampled" or problem.holds_sampled]
-    found = _spread(
-        lambda name: radius(problem, RADII[name], path=path, tolerance=tolerance), wanted
-    )
-    return dict(zip(wanted, found, strict=True))
-
-
-def _spread(work: Callable[[_Name], _Value], names: Sequence[_Name]) -> list[_Value]:
-    """Do work on several names side by side: the proofs hold no lock."""
-    with ThreadPoolExecutor(_THREADS) as team:
-        return list(team.map(work, names))
+    return {name: radius(problem, RADII[name], path=path, tolerance=tolerance) for name in wanted}
 
 
 def against(problem: BoxedLoop, found: Bound, limit: float) -> tuple[Bound, Grounds]:

@@ -41,6 +41,7 @@ if TYPE_CHECKING:
 CONVERGED = 1e-4  # relative change of the worst ratio between refinements
 _NARROW = 1e-3  # of the frequency: a maximum is bracketed at least so closely
 _ROUNDS = 40
+_NOTHING = 1e-12  # a ratio that rounding alone can have
 
 
 def sweep(study: ResolvedStudy | LinearModel, gains: Gains | None = None) -> SweepResult:
@@ -265,7 +266,8 @@ def _proved(grid: _Worst, certified: Bound) -> _Worst:
     at = place_of(certified.at)
     if at is None or (grid.at.response is not None and grid.attained > certified.attained):
         return grid._replace(proved=max(certified.bound, grid.attained))
-    return _Worst(certified.attained, at, certified.bound)
+    attained = certified.attained if certified.attained > _NOTHING else 0.0
+    return _Worst(attained, at, certified.bound)
 
 
 def _status(premise: _Premise, use: _Worst, *, converged: bool) -> tuple[Status, Grounds]:

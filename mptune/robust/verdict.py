@@ -124,9 +124,9 @@ def _margin_check(
     guaranteed, grounds = found, Grounds.GRID
     if proofs is not None:
         attained, guaranteed, place, grounds = _certified_margin(proofs, family.path, margin, limit)
-        if not family.responses or (attained < found if least else attained > found):
+        if attained < found if least else attained > found:
             found, at = attained, place
-        else:  # a measured member is worse, of which nothing is proved
+        if family.responses:  # measured members, of which nothing is proved
             guaranteed, grounds = found, Grounds.GRID
     if not np.isfinite(found) and not least:
         return Check(key, key, text, found, Status.UNSTABLE, at, grounds)

@@ -98,14 +98,14 @@ def front(
     tuner = Tuner(tracking)
     if tuner.blocked:
         return Front((), tuner.figures(tuner.before))
-    best = tuner.searched()[1]
-    most = Tuner(_for(study, "disturbance")).searched()[1]
+    best = tuner.certified()[1]
+    most = Tuner(_for(study, "disturbance")).certified()[1]
     low, high = best.choice.gains.k_i_pos, most.choice.gains.k_i_pos
     found, last = [best], best
     for n, k_i in enumerate(np.linspace(low, high, count)[1:-1]):
         progress("front", n / count)
         at = {"k_i_pos": (float(k_i), float(k_i))}
-        last = tuner.searched(extra=at, first=last.choice)[1]
+        last = tuner.certified(extra=at, first=last.choice)[1]
         found.append(last)
     found.append(most)
     points = [_point(tuner, one) for one in found if one.feasible]

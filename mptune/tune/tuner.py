@@ -102,19 +102,30 @@ class Tuner:
         if self.blocked:
             why = _velocity_blocking(self._model, self._velocity)
             return self._result(structure, nothing(self._own), sweep(self._model), why)
-        search, found = self.searched(structure, extra, None, progress)
-        judged = sweep(self._model, _gains(found.choice.gains))
-        for _ in range(_TIGHTENED):
-            if not found.feasible or judged.satisfied or not self._learn(judged):
-                break
-            search, found = self.searched(structure, extra, found.choice, progress)
-            judged = sweep(self._model, _gains(found.choice.gains))
+        search, found, judged = self.certified(structure, extra, None, progress)
         blocking: Blocking | None = None
         if not found.feasible:
             blocking = self._search_blocking(search, found)
         elif not judged.satisfied:
             blocking = _sweep_blocking(judged)
         return self._result(structure, found, judged, blocking)
+
+    def certified(
+        self,
+        structure: str = "eq22",
+        extra: dict[str, Range] | None = None,
+        first: Choice | None = None,
+        progress: Progress = silent,
+    ) -> tuple[GainSearch, Searched, SweepResult]:
+        """Return a search, its outcome and the verdict, searched again until certificates hold."""
+        search, found = self.searched(structure, extra, first, progress)
+        judged = sweep(self._model, _gains(found.choice.gains))
+        for _ in range(_TIGHTENED):
+            if not found.feasible or judged.satisfied or not self._learn(judged):
+                break
+            search, found = self.searched(structure, extra, found.choice, progress)
+            judged = sweep(self._model, _gains(found.choice.gains))
+        return search, found, judged
 
     def searched(
         self,

@@ -8,6 +8,15 @@ import time
 
 import numpy as np
 import pytest
+from certified import (
+    FIGURES,
+    compare_with_intervals,
+    largest_value,
+    limits,
+    random_points,
+    random_problem,
+    reference,
+)
 from scipy.optimize import minimize
 
 from mptune.certify.bounds import bound
@@ -18,15 +27,6 @@ from mptune.certify.margins import MARGINS, margin
 from mptune.certify.problem import PATHS, BoxedLoop, edges_of
 from mptune.certify.radius import RADII, radius
 from mptune.certify.stability import box_stability, corner_verdict
-from tests.certified import (
-    FIGURES,
-    compare_with_intervals,
-    largest_value,
-    limits,
-    random_points,
-    random_problem,
-    reference,
-)
 
 pytestmark = pytest.mark.bench
 

@@ -47,8 +47,9 @@ def test_the_published_gains_meet_the_requirements_of_their_study(fig_5):
 @pytest.mark.parametrize("loop", ["velocity", "position"])
 def test_the_worst_ratio_is_the_largest_over_plants_and_over_frequencies(fig_5, loop):
     condition = getattr(fig_5, loop)
-    assert condition.worst_ratio == pytest.approx(condition.ratio.max(), rel=1e-12)
-    assert condition.worst_ratio == pytest.approx(condition.plant_ratio.max(), rel=1e-12)
+    assert condition.ratio.max() == pytest.approx(condition.plant_ratio.max(), rel=1e-12)
+    assert condition.worst_ratio == pytest.approx(condition.ratio.max(), rel=1e-6)
+    assert condition.worst_ratio >= condition.ratio.max() * (1 - 1e-12)  # polished off the grid
     assert condition.margin == 1 / condition.worst_ratio
 
 

@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+from certified import FIGURES, largest_value, limits, random_points, random_problem
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
@@ -14,7 +15,6 @@ from mptune.certify.form import curve_of, form_of
 from mptune.certify.problem import plants_of
 from mptune.certify.result import Stability
 from mptune.certify.stability import box_stability, stable_plants
-from tests.certified import FIGURES, largest_value, limits, random_points, random_problem
 
 pytestmark = pytest.mark.compiled
 

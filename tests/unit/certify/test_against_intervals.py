@@ -4,10 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-
-from mptune.certify.bounds import bound
-from mptune.certify.form import form_of
-from tests.certified import (
+from certified import (
     FIGURES,
     compare_with_intervals,
     exactly,
@@ -16,6 +13,9 @@ from tests.certified import (
     random_problem,
     reference,
 )
+
+from mptune.certify.bounds import bound
+from mptune.certify.form import form_of
 
 pytestmark = pytest.mark.compiled
 

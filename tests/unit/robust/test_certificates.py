@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -11,7 +10,7 @@ import pytest
 from mptune.certify.result import Stability
 from mptune.loops.family import ranges_of
 from mptune.params.pack import Plants
-from mptune.robust.certificates import Grounds, against, problem_of, radii_of
+from mptune.robust.certificates import Grounds, against, radii_of
 from mptune.robust.condition import sides
 from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
@@ -166,11 +165,3 @@ def test_gains_without_position_control_are_certified(load_boom):
         swept = sweep(model, gains.model_copy(update=changes))
         assert swept.velocity.worst_ratio == pytest.approx(0.50866, abs=1e-4)
         assert all(one.closed for one in swept.certificates.bounds)
-
-
-def test_a_problem_holds_the_studys_box_and_nominal(load_boom):
-    model = LinearModel.of(load_boom(uncertainty="section-5-1", corners=True))
-    problem = problem_of(model, model.gains)
-    assert problem.box.mass == (24500.0, 49000.0)
-    assert problem.box.nominal == model.nominal
-    assert replace(problem.box) == problem.box

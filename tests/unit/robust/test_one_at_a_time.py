@@ -29,7 +29,8 @@ def test_each_condition_has_every_parameter_strongest_first(swept):
 def test_the_worst_plant_s_own_end_gives_the_worst_ratio_and_no_end_a_higher_one(swept):
     for one in one_at_a_time(swept):
         worst = getattr(swept, one.condition).worst_ratio
-        assert max(one.ratios) == pytest.approx(worst, rel=1e-12)
+        # Asked at the sweep's own frequencies, while the worst ratio is polished.
+        assert max(one.ratios) == pytest.approx(worst, rel=1e-6)
         assert one.worst in one.ends
 
 

@@ -135,7 +135,7 @@ def test_a_limit_is_met_on_one_side_of_what_is_found_and_violated_on_the_other(l
     unit = " N/m" if name == "noise_gain" else ""
     at_least = name == "gain_margin"
     print(f"{name}: {found:.6g}{unit}")
-    for factor in (1 - 1e-6, 1 + 1e-6):
+    for factor in (1 - 2e-5, 1 + 2e-5):  # what is sampled is certified to about 1e-5
         study = load_boom(f"requirements.{name}={factor * found!r}{unit}", **options)
         result = sweep(study)
         met = (factor < 1) == at_least

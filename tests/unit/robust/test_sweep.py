@@ -125,7 +125,8 @@ def test_a_requirement_curve_is_used_where_it_is_tightest_and_not_where_the_rati
     curve = '[["99 rad/s", 0.9], ["100 rad/s", 0.3]]'
     condition = sweep(load_boom(f"requirements.velocity_ratio={curve}", corners=True)).velocity
     assert condition.status is Status.VIOLATED
-    assert condition.worst_use == pytest.approx((condition.ratio / condition.allowed).max())
+    on_grid = (condition.ratio / condition.allowed).max()
+    assert on_grid <= condition.worst_use <= 1.01 * on_grid
     assert condition.worst_use_at.frequency_rad_s == pytest.approx(100, rel=0.02)
     assert condition.at.frequency_rad_s == pytest.approx(55.3, rel=0.01)
 
