@@ -7,11 +7,11 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 from mpmath import mp
+from test_balls import assert_encloses
+from test_enclosure import GAINS
 
 from mptune.certify import aliases, figures
 from mptune.certify.form import form_of
-from tests.unit.certify.test_balls import assert_encloses
-from tests.unit.certify.test_enclosure import GAINS
 
 CURVE = np.array([[10.0, 0.7], [50.0, 0.4], [50.001, 0.41], [200.0, 0.9]])
 WITHIN = st.floats(0.0, 1.0)

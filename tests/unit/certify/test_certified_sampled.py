@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from test_enclosure import GAINS, evaluate
 
 from mptune.certify.climb import figure_at
 from mptune.certify.form import curve_of, form_of
 from mptune.certify.problem import edges_of
 from mptune.certify.sampled import remainder, shifts_up_to, terms_for, truncated_bound
-from tests.unit.certify.test_enclosure import GAINS, evaluate
 
 pytestmark = pytest.mark.compiled
 

@@ -114,7 +114,7 @@ def test_run_does_the_whole_job(cli, tmp_path):
     assert written == {
         "boom.pdf", "boom.png", "sweep.nc", "gains.toml", "panels.svg", "bode.svg", "moves.svg",
         "traces.nc", "machine-24.5t.svg", "machine-49t.svg", "chain.svg", "boom.html",
-        "nyquist.svg", "sensitivity.svg", "load.svg",
+        "nyquist.svg", "sensitivity.svg", "load.svg", "certificates.svg",
     }  # fmt: skip
     words = " ".join(out.split())
     assert "nonlinear machine" in words[words.index("Gain at F_ref may rise by") :]
