@@ -15,7 +15,7 @@ pytestmark = pytest.mark.compiled
 
 
 def truncated_sensitivity(form, point, terms, monkeypatch):
-    monkeypatch.setattr("tests.unit.certify.test_enclosure.TERMS", terms)
+    monkeypatch.setattr("test_enclosure.TERMS", terms)
     none = np.zeros(6)
     top = evaluate(form, curve_of(1.0), point, none, 1.0, 0.0)[0].value
     return np.sqrt(top / -evaluate(form, curve_of(1.0), point, none, 0.0, 1.0)[0].value)
