@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -29,6 +29,9 @@ class Structure:
         Whether each function has a pole at the origin, ``(K,)``.
     low, high
         Bounds of the parameters, ``(K,)``.
+    numerators, denominator
+        The functions as fractions over one denominator, falling powers of s; empty where they are
+        not known as such.
     """
 
     names: tuple[str, ...]
@@ -36,6 +39,29 @@ class Structure:
     integral: tuple[bool, ...]
     low: tuple[float, ...]
     high: tuple[float, ...]
+    numerators: tuple[tuple[float, ...], ...] = ()
+    denominator: tuple[float, ...] = ()
+
+    def fraction(self, parameters: FloatArray) -> tuple[list[float], list[float]]:
+        """Return numerator and denominator of C(s), falling powers of s.
+
+        Parameters
+        ----------
+        parameters
+            ``(K,)`` the parameters x.
+
+        Raises
+        ------
+        InputError
+            Where the functions are not known as fractions.
+        """
+        if not self.denominator:
+            fault = Fault("", "", "is not known as a fraction", "take its frequency response")
+            raise InputError("controller", fault)
+        numerator = np.zeros(1)
+        for share, one in zip(parameters, self.numerators, strict=True):
+            numerator = np.polyadd(numerator, share * np.array(one))
+        return numerator.tolist(), list(self.denominator)
 
     def response(self, omega: FloatArray) -> ComplexArray:
         """Return φ(jω), ``(K, F)``."""
@@ -97,12 +123,13 @@ def _integral(s: ComplexArray) -> ComplexArray:
 
 def p() -> Structure:
     """Return C = k_p."""
-    return basis_of([_one], ["k_p"])
+    return replace(basis_of([_one], ["k_p"]), numerators=((1.0,),), denominator=(1.0,))
 
 
 def pi() -> Structure:
     """Return C = k_p + k_i/s."""
-    return basis_of([_one, _integral], ["k_p", "k_i"], [False, True])
+    found = basis_of([_one, _integral], ["k_p", "k_i"], [False, True])
+    return replace(found, numerators=((1.0, 0.0), (1.0,)), denominator=(1.0, 0.0))
 
 
 def pid(filter_time: float) -> Structure:
@@ -112,7 +139,9 @@ def pid(filter_time: float) -> Structure:
         return lambda s: np.asarray(s**power / (filter_time * s + 1))
 
     functions = [filtered(0), filtered(-1), filtered(1)]
-    return basis_of(functions, ["k_p", "k_i", "k_d"], [False, True, False])
+    found = basis_of(functions, ["k_p", "k_i", "k_d"], [False, True, False])
+    numerators = ((1.0, 0.0), (1.0,), (1.0, 0.0, 0.0))
+    return replace(found, numerators=numerators, denominator=(filter_time, 1.0, 0.0))
 
 
 def position(tau: float) -> Structure:
@@ -126,7 +155,10 @@ def position(tau: float) -> Structure:
 
     functions = [shaped(0), shaped(1), shaped(2), _integral]
     names = ["k_p", "two_xi_k_p_over_omega", "k_p_over_omega_squared", "k_i"]
-    return basis_of(functions, names, [False, False, False, True])
+    found = basis_of(functions, names, [False, False, False, True])
+    lags = (tau**2, 2 * tau, 1.0)
+    numerators = ((1.0, 0.0), (1.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0), lags)
+    return replace(found, numerators=numerators, denominator=(*lags, 0.0))
 
 
 def position_parameters(k_p: float, k_i: float, omega: float, xi: float) -> FloatArray:
