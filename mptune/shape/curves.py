@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 GUARD = 0.02  # of its distance from −1 that no loop may lose in a step, seen from where it was
 IN_HAND = 1e-5  # of every bound, for the solver's tolerance and what refinement leaves open
 _NEARLY = 0.9  # of the bound: peaks below are not refined
-_CLOSE = 1e-4  # relative distance of frequencies below which refinement ends
+_CLOSE = 1e-4  # relative distance of frequencies below which refinement ends…
+_RISE = 1e-6  # …unless the peak is so sharp that its parabola rises by more than this share
+_CLOSEST = 1e-9  # relative distance at which it ends even so
 _ROUNDS = 8
 
 
@@ -288,5 +290,8 @@ def _vertices(omega: FloatArray, quotient: FloatArray, kind: str) -> FloatArray:
     vertex = np.zeros(len(place))
     np.divide(0.5 * (up * left**2 - down * right**2), bend, out=vertex, where=usable)
     vertex = np.clip(vertex, 0.9 * left, 0.9 * right)
-    new = usable & (np.abs(vertex) > _CLOSE) & (vertex - left > _CLOSE) & (right - vertex > _CLOSE)
+    away = np.minimum(np.abs(vertex), np.minimum(vertex - left, right - vertex))
+    slope = (down * right**2 - up * left**2) / (left * right * (right - left))
+    sharp = 0.5 * slope * vertex > _RISE * quotient[plant, place]
+    new = usable & ((away > _CLOSE) | (sharp & (away > _CLOSEST)))
     return np.unique(np.exp(x[place] + vertex)[new])
