@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 STUDY ?= studies/boom/study.toml
 
-.PHONY: run test bench format setup coverage
+.PHONY: run test bench format setup coverage mutants
 
 run: setup
 	$(BIN)/mptune run $(STUDY)
@@ -26,6 +26,11 @@ coverage: setup
 	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -m "not bench and not compiled"
 	$(BIN)/coverage combine
 	$(BIN)/coverage report
+
+# Wrong changes that the tests must catch, each in a copy of the tree: some minutes.
+# MUTANTS="eq-07 radius" applies those whose names begin so.
+mutants: setup
+	$(BIN)/python tests/mutants/run.py $(MUTANTS)
 
 format: setup
 	$(BIN)/ruff format .

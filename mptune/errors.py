@@ -23,12 +23,15 @@ class Fault:
         The rule that the value breaks.
     remedy
         What to write instead.
+    where
+        The file that wrote the value, where it is another than the error as a whole names.
     """
 
     key: str
     value: str
     rule: str
     remedy: str
+    where: str = ""
 
     def __str__(self) -> str:
         """Return the fault in one line."""
@@ -52,7 +55,7 @@ class InputError(MptuneError):
     def __init__(self, where: object, *faults: Fault) -> None:
         self.where = str(where)
         self.faults = faults
-        super().__init__("\n".join(f"{self.where}: {fault}" for fault in faults))
+        super().__init__("\n".join(f"{fault.where or self.where}: {fault}" for fault in faults))
 
 
 class OutputError(MptuneError):

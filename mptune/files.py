@@ -9,17 +9,20 @@ from __future__ import annotations
 import contextlib
 import os
 import tempfile
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from mptune.errors import Fault, InputError, OutputError
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
-    from pathlib import Path
 
-
-def read_text(path: Path) -> str:
+def read_text(path: str | Path, remedy: str = "check the path") -> str:
     """Return the text of a UTF-8 file.
+
+    Parameters
+    ----------
+    path
+        The file.
+    remedy
+        What to do where there is no such file, or nothing in it: who writes it, say.
 
     Raises
     ------
@@ -27,14 +30,11 @@ def read_text(path: Path) -> str:
         If the path is missing, is a folder, may not be read, is empty or is not UTF-8 text.
     """
     try:
-        text = path.read_bytes().decode("utf-8")
+        text = Path(path).read_bytes().decode("utf-8")
     except FileNotFoundError as error:
-        fault = Fault(
-            "", "", "does not exist", "check the path, or start one with `mptune new NAME`"
-        )
-        raise InputError(path, fault) from error
+        raise InputError(path, Fault("", "", "does not exist", remedy)) from error
     except IsADirectoryError as error:
-        fault = Fault("", "", "is a folder, not a file", "name the file inside it, e.g. study.toml")
+        fault = Fault("", "", "is a folder, not a file", "name the file inside it")
         raise InputError(path, fault) from error
     except UnicodeDecodeError as error:
         fault = Fault("", "", f"is not UTF-8 text (byte {error.start})", "save it as UTF-8")
@@ -43,11 +43,11 @@ def read_text(path: Path) -> str:
         fault = Fault("", "", f"cannot be read: {error.strerror}", "check its permissions")
         raise InputError(path, fault) from error
     if not text.strip():
-        raise InputError(path, Fault("", "", "is empty", "write the study, or restore the file"))
+        raise InputError(path, Fault("", "", "is empty", remedy))
     return text
 
 
-def make_folder(path: Path) -> Path:
+def make_folder(path: str | Path) -> Path:
     """Create a folder for results and check that it can be written to, before any long work.
 
     Raises
@@ -55,6 +55,7 @@ def make_folder(path: Path) -> Path:
     InputError
         If the folder cannot be created, or nothing can be written into it.
     """
+    path = Path(path)
     try:
         path.mkdir(parents=True, exist_ok=True)
         with tempfile.TemporaryFile(dir=path):
@@ -66,7 +67,7 @@ def make_folder(path: Path) -> Path:
     return path
 
 
-def write_whole(path: Path, content: bytes | str) -> Path:
+def write_whole(path: str | Path, content: bytes | str) -> Path:
     """Write a file whole or not at all.
 
     Raises
@@ -75,21 +76,12 @@ def write_whole(path: Path, content: bytes | str) -> Path:
         If the file cannot be written; an earlier file of that name is then untouched.
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
-    return write_whole_with(path, lambda beside: beside.write_bytes(data))
-
-
-def write_whole_with(path: Path, write: Callable[[Path], object]) -> Path:
-    """Let ``write`` fill a file beside ``path``, then rename it into place.
-
-    Raises
-    ------
-    OutputError
-        If the file cannot be written; an earlier file of that name is then untouched.
-    """
+    path = Path(path)
     beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
     try:
-        write(beside)
-        with beside.open("rb") as stream:
+        with beside.open("wb") as stream:
+            stream.write(data)
+            stream.flush()
             os.fsync(stream.fileno())
         beside.replace(path)
     except OSError as error:

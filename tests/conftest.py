@@ -10,9 +10,10 @@ from pathlib import Path
 os.environ["NUMBA_NUM_THREADS"] = "1"
 
 import numba
+import numpy as np
 import pytest
 import tomlkit
-from hypothesis import settings
+from hypothesis import Phase, settings
 
 from mptune.params.load import load_study
 from mptune.robust.sweep import sweep
@@ -20,6 +21,8 @@ from mptune.robust.sweep import sweep
 EXAMPLES = 8 if numba.config.DISABLE_JIT else 50
 settings.register_profile("repeatable", deadline=None, derandomize=True, max_examples=EXAMPLES)
 settings.register_profile("explore", deadline=None, max_examples=200)
+UNSHRUNK = (Phase.explicit, Phase.generate)  # that an example fails is all that mutants ask
+settings.register_profile("unshrunk", settings.get_profile("repeatable"), phases=UNSHRUNK)
 settings.load_profile(os.environ.get("HYPOTHESIS_PROFILE", "repeatable"))
 
 ROOT = Path(__file__).parents[1]
@@ -96,3 +99,22 @@ def write_study(tmp_path):
         return path
 
     return write
+
+
+@pytest.fixture
+def load_measured(write_study, tmp_path):
+    """Load the corners of the boom study with one measured force response, named "rig"."""
+
+    def load(omega, force, *overrides, place="beside"):
+        table = np.stack([omega, force.real, force.imag], axis=1)
+        rows = [",".join(map(repr, row)) for row in table.tolist()]
+        text = "\n".join(["frequency [rad/s],real,imaginary", *rows]) + "\n"
+        (tmp_path / "rig.csv").write_text(text, encoding="utf-8")
+        changes = {
+            "uncertainty.measured": '["rig.csv"]',
+            "uncertainty.measured_place": f'"{place}"',
+            "uncertainty.points": "2",
+        }
+        return load_study(write_study(changes), overrides)
+
+    return load

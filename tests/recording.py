@@ -11,7 +11,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mptune.force.cost import side_costs, supply_pressures
+from mptune.force.cost import force_limits, side_costs, supply_pressures
 from mptune.force.estimator import SIDE_A, SIDE_B
 from mptune.force.search_space import search_space
 from mptune.params.pack import (
@@ -23,9 +23,11 @@ from mptune.params.pack import (
     pack_table,
 )
 from mptune.plant.supplies import accumulator_pressure
+from mptune.signals.differentiator import differentiated
+from mptune.signals.outer_loop import lag_references, outer_law
 from mptune.signals.trajectory import reference
-from mptune.signals.tustin import discretise
 from mptune.sim import closed_loop as loop
+from mptune.sim.integrator import integrate, new_work
 from mptune.sim.moves import moves_of
 from mptune.verify.verify import cases_of, delays_of, new_memory
 
@@ -42,9 +44,7 @@ class Rig(NamedTuple):
     machine: object
     table: np.ndarray
     delays: loop.Delays
-    gains: object
     law: object
-    ahead: object
     signals: object
     settings: object
     space: object
@@ -78,6 +78,10 @@ def rig_of(study, case, gains=None, feedforward=None):
     controller = study.study.controller
     machine = pack_machine(study, case.mass, case.oil_bulk_modulus, case.load_force)
     packed = pack_gains(gains or study.study.gains)
+    ahead = pack_feedforward(
+        feedforward or study.study.feedforward, controller.fast_sampling_period
+    )
+    settings = pack_force(study)
     memory = new_memory(study, machine, packed, study.study.verification.start)
     first = np.concatenate([[memory.filtered[0], 0.0, 0.0], memory.filtered])
     return Rig(
@@ -86,13 +90,15 @@ def rig_of(study, case, gains=None, feedforward=None):
         machine=machine,
         table=pack_table(study),
         delays=delays_of(study, case.valve_delay),
-        gains=packed,
-        law=discretise(packed, controller.sampling_period),
-        ahead=pack_feedforward(
-            feedforward or study.study.feedforward, controller.fast_sampling_period
+        law=outer_law(
+            packed,
+            ahead,
+            controller.sampling_period,
+            controller.dead_zone,
+            force_limits(settings),
         ),
         signals=pack_signals(controller),
-        settings=pack_force(study),
+        settings=settings,
         space=search_space(),
         moves=moves_of(study.study.manoeuvre),
         random=np.random.default_rng(case.seed),
@@ -122,17 +128,12 @@ class Recorder:
     def step(self, inputs):
         rig, outer, choice = self.rig, self.rig.memory.outer, self.rig.memory.choice
         x_ref, v_ref, a_ref = inputs[:3].tolist()
-        ahead = rig.ahead
-        outer[loop.REFERENCE] += (1 - ahead.reference_pole) * (x_ref - outer[loop.REFERENCE])
-        outer[loop.VELOCITY_REFERENCE] += (1 - ahead.velocity_reference_pole) * (
-            v_ref - outer[loop.VELOCITY_REFERENCE]
-        )
+        lag_references(outer, rig.law, x_ref, v_ref)
         before = choice.copy()
         if len(self.inputs) % rig.signals.ticks == 0:
             loop._control(
-                rig.memory, x_ref, v_ref, a_ref, rig.gains, rig.law, ahead, rig.signals,
-                rig.settings, rig.space,
-            )  # fmt: skip
+                rig.memory, x_ref, v_ref, a_ref, rig.law, rig.signals, rig.settings, rig.space
+            )
         decided = (outer[loop.FORCE], outer[loop.STOPPED], *choice)
         inside = (rig.memory.filtered, rig.memory.converters, rig.memory.history)
         self.inputs.append(inputs)
@@ -149,7 +150,7 @@ def drive(rig, unit, sets=1):
     """
     memory, machine, signals = rig.memory, rig.machine, rig.signals
     tick_time = signals.sample_time
-    work = loop.new_work(memory.valves)
+    work = new_work(memory.valves)
     trace = np.empty((sets * rig.ticks, loop.COLUMNS))
     unit.start(rig.first, rig.load)
     for row, (number, tick) in zip(trace, np.ndindex(sets, rig.ticks), strict=True):
@@ -168,17 +169,17 @@ def drive(rig, unit, sets=1):
             memory.outer[loop.PUMPING] = 1.0
         elif high > machine.pump_off:
             memory.outer[loop.PUMPING] = 0.0
-        loop._integrate(memory, machine, rig.table, rig.delays.ramp, now, tick_time, work)
+        integrate(
+            memory.state, memory.energy, memory.valves, memory.outer[loop.PUMPING],
+            machine, rig.table, rig.delays.ramp, now, tick_time, work,
+        )  # fmt: skip
     return trace
 
 
 def extra_cost(study, decision, state_a, state_b):
     """Return what two states cost more than those decided on, and what the latter cost [N]."""
     settings, space = pack_force(study), search_space()
-    velocity = 0.0
-    for tap, position in zip((5.0, 3.0, 1.0, -1.0, -3.0, -5.0), decision[HISTORY], strict=True):
-        velocity += tap * position
-    velocity /= 35 * study.study.controller.fast_sampling_period
+    velocity = differentiated(decision[HISTORY], study.study.controller.fast_sampling_period)
     filtered, position = decision[FILTERED], decision[HISTORY][0]
     supplies = supply_pressures(filtered[4], filtered[3])
     sides = []

@@ -15,11 +15,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mptune.campaign.draw import Draw
-from mptune.campaign.result import LEAST_IS_WORST, draw_json
+from mptune.campaign.result import draw_json
 from mptune.campaign.simulate import FIGURES, Controlled, RunRows, simulate_rows
 from mptune.errors import Fault, InputError
 from mptune.params.gains import version
 from mptune.progress import silent
+from mptune.sim.merit import merit
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
@@ -166,5 +167,5 @@ def _run(plan: Plan, draws: list[Draw], numbers: list[int], team: Workers) -> Ru
 
 def _badness(figure: str, rows: RunRows) -> FloatArray:
     values = rows.figures[:, FIGURES.index(figure)]
-    signed = -values if figure in LEAST_IS_WORST else values
-    return np.where(np.isfinite(signed), signed, _NO_FIGURE)
+    badness = merit(figure).badness(values)
+    return np.where(np.isfinite(badness), badness, _NO_FIGURE)

@@ -24,7 +24,7 @@ _BLOCK = 8  # runs per task: about half a second
 
 def run_campaign(
     plan: Plan,
-    folder: Path,
+    folder: str | Path,
     team: Workers,
     progress: Progress = silent,
     *,

@@ -13,6 +13,7 @@ import numpy as np
 from mptune.campaign.draw import Draw, box_of
 from mptune.errors import Fault, InputError
 from mptune.params.gains import version
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
@@ -25,8 +26,8 @@ _MOST_RUNS = 10_000_000
 _PARAMETERS, _NOISE = 0, 1  # each run's two streams of random numbers
 
 
-@dataclass(frozen=True)
-class Plan:
+@dataclass(frozen=True, repr=False)
+class Plan(Summarised):
     """A campaign before it is run.
 
     Attributes
@@ -44,6 +45,13 @@ class Plan:
     feedforward: Feedforward
     box: Box
     points: FloatArray
+
+    @property
+    def headline(self) -> str:
+        """Study, method and number of runs."""
+        return (
+            f"Campaign of {self.study.name}, {self.study.study.campaign.method}: {self.runs} runs"
+        )
 
     @property
     def runs(self) -> int:
@@ -83,6 +91,13 @@ def plan_campaign(
     study: ResolvedStudy, gains: Gains | None = None, feedforward: Feedforward | None = None
 ) -> Plan:
     """Return a study's campaign with the given gains, or the study's own where None.
+
+    Parameters
+    ----------
+    study
+        The study, whose ``[campaign]`` says what varies and how often.
+    gains, feedforward
+        What controls the machine; the study's own where None.
 
     Raises
     ------

@@ -4,28 +4,35 @@ from __future__ import annotations
 
 from collections import Counter
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from mptune.campaign.draw import PARAMETER_UNITS
 from mptune.campaign.guarantee import Guarantee, guarantee
 from mptune.campaign.simulate import FIGURES
+from mptune.interop import Drawn, Labelled
+from mptune.sim.merit import merit
+from mptune.strict import strict
+from mptune.summary import Summarised
 from mptune.verify.result import CaseStatus
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import pandas as pd
+
     from mptune.arrays import BoolArray, FloatArray
     from mptune.campaign.draw import Draw
     from mptune.campaign.plan import Plan
 
 QUANTILES = (0.0, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
-LEAST_IS_WORST = ("pressure_min_mpa",)
 _LISTED = 100  # failed runs by number; the file holds them all
 _KEY_UNITS = {"kg": "_kg", "s": "_s", "Pa": "_pa", "N": "_n", "K": "_k", "1": ""}
 
 
-@dataclass(frozen=True)
-class CampaignResult:
+@dataclass(frozen=True, repr=False)
+class CampaignResult(Summarised, Drawn, Labelled):
     """All runs of a campaign, in the order of their numbers.
 
     Attributes
@@ -38,10 +45,30 @@ class CampaignResult:
         ``(R,)`` how each closed loop behaved, and why a run failed (empty where it did not).
     """
 
+    drawings: ClassVar[Mapping[str, str]] = {
+        "distributions": "mptune.figures.campaign:campaign_figure"
+    }
+    dataset: ClassVar[str] = "mptune.campaign.store:to_dataset"
+
     plan: Plan
     figures: FloatArray
     status: np.ndarray[tuple[int], np.dtype[np.str_]]
     reason: np.ndarray[tuple[int], np.dtype[np.str_]]
+
+    @property
+    def headline(self) -> str:
+        """How many runs failed, and what that guarantees."""
+        text = f"{self.plan.headline}: {self.failures} failed"
+        found = self.guarantee
+        if found is None:
+            return text
+        bound = f"{found.failure_probability:.3g} with doubt {found.doubt:g}"
+        return f"{text}, failure probability below {bound}"
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return one row per run: its parameters in SI, figures in §7's units, status, reason."""
+        frame: pd.DataFrame = self.to_xarray().to_dataframe()
+        return frame
 
     @property
     def failed(self) -> BoolArray:
@@ -88,7 +115,7 @@ class CampaignResult:
         values = np.where(np.isfinite(values), values, np.nan)
         if np.isnan(values).all():
             return None
-        return int(np.nanargmin(values) if figure in LEAST_IS_WORST else np.nanargmax(values))
+        return int(np.nanargmax(merit(figure).badness(values)))
 
     def correlations(self, figure: str) -> dict[str, float]:
         """Return Spearman's rank correlation of each parameter that varies with a figure.
@@ -119,7 +146,7 @@ class CampaignResult:
     def json(self) -> dict[str, Any]:
         """Return what the campaign concludes; figures keep §7's units."""
         asked, box, found = self.plan.study.study.campaign, self.plan.box, self.guarantee
-        return {
+        values = {
             "satisfied": self.satisfied,
             "identity": self.plan.identity(),
             "method": asked.method,
@@ -137,6 +164,7 @@ class CampaignResult:
             },
             "figures": {figure: self._figure_json(figure) for figure in FIGURES},
         }
+        return strict(values)
 
     def _figure_json(self, figure: str) -> dict[str, Any]:
         worst = self.worst_run(figure)

@@ -9,7 +9,9 @@ import numpy as np
 from mptune.campaign.draw import rig_of_draw
 from mptune.campaign.plan import noise_of
 from mptune.errors import MptuneError
+from mptune.params.campaign import CampaignLimits
 from mptune.params.gains import version
+from mptune.sim.merit import MERITS
 from mptune.verify.result import CaseStatus
 from mptune.verify.verify import run_rig
 
@@ -18,32 +20,14 @@ if TYPE_CHECKING:
 
     from mptune.arrays import FloatArray
     from mptune.campaign.draw import Draw
-    from mptune.params.campaign import CampaignLimits
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.study import ResolvedStudy
     from mptune.verify.result import CaseResult
 
 # §7's figures of a run, in §7's units: means over its sets, or the worst of them.
-FIGURES = (
-    "performance_index_ms",
-    "energy_loss_j_per_mm",
-    "pump_loss_j_per_mm",
-    "force_error_integral_kn2s",
-    "final_error_mm",
-    "peak_velocity_mm_s",
-    "valve_switches",
-    "converter_peak_mm",
-    "pressure_min_mpa",
-    "pressure_max_mpa",
-    "energy_residual",
-)
+FIGURES = tuple(one.key for one in MERITS)
 ERROR = "error"  # the status of a run that could not be simulated
-_LIMITED = (  # figure, its limit, §7's unit in SI, and that unit
-    ("performance_index_ms", "performance_index", 1e-3, "ms"),
-    ("energy_loss_j_per_mm", "energy_loss", 1e3, "J/mm"),
-    ("force_error_integral_kn2s", "force_error_integral", 1e6, "kN² s"),
-    ("final_error_mm", "final_error", 1e-3, "mm"),
-)
+_LIMITED = tuple(one for one in MERITS if one.name in CampaignLimits.model_fields)
 
 
 class Controlled(NamedTuple):
@@ -104,8 +88,7 @@ def simulate_rows(
 
 def figures_of(case: CaseResult) -> FloatArray:
     """Return a run's figures ``(11,)``."""
-    values = case.json()
-    return np.array([values[name] for name in FIGURES], np.float64)
+    return np.array([case.figure(name) for name in FIGURES], np.float64)
 
 
 def reason_of(case: CaseResult, limits: CampaignLimits) -> str:
@@ -113,9 +96,9 @@ def reason_of(case: CaseResult, limits: CampaignLimits) -> str:
     if case.status is not CaseStatus.STABLE:
         where = f": {case.broken} from {case.broken_at_s:.2f} s on" if case.broken else ""
         return f"{case.status.value}{where}"
-    values = case.json()
-    for figure, name, unit, printed in _LIMITED:
-        limit = getattr(limits, name)
-        if limit is not None and not values[figure] * unit <= limit:
-            return f"{name} {values[figure]:.4g} {printed} is above {limit / unit:.4g} {printed}"
+    for one in _LIMITED:
+        limit, found = getattr(limits, one.name), case.figure(one.key)
+        if limit is not None and not found * one.factor <= limit:
+            unit = one.printed_unit
+            return f"{one.name} {found:.4g} {unit} is above {limit / one.factor:.4g} {unit}"
     return ""

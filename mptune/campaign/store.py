@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import json
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -15,29 +16,31 @@ import numpy as np
 from mptune.campaign.draw import PARAMETER_UNITS
 from mptune.campaign.result import CampaignResult
 from mptune.campaign.simulate import FIGURES, RunRows
+from mptune.datasets import read_dataset, write_dataset
 from mptune.errors import Fault, InputError
-from mptune.files import make_folder, write_whole_with
+from mptune.files import make_folder
+from mptune.sim.merit import MERITS
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     import xarray as xr
 
+    from mptune.arrays import FloatArray, IntArray
     from mptune.campaign.plan import Plan
 
 _IDENTITY = "campaign_identity"
-_FIGURE_UNITS = ("ms", "J/mm", "J/mm", "kN^2 s", "mm", "mm/s", "1", "mm", "MPa", "MPa", "1")
+_REMEDY = "delete it; --resume runs it again"
 
 
 class CampaignStore:
     """A campaign's files: ``campaign/chunk-000000.nc`` … and in the end ``campaign.nc``."""
 
-    def __init__(self, folder: Path, plan: Plan) -> None:
+    def __init__(self, folder: str | Path, plan: Plan) -> None:
         self._plan = plan
         self._identity = plan.identity()
-        self.path = folder / "campaign.nc"
-        self.chunk_folder = folder / "campaign"
+        self.path = Path(folder) / "campaign.nc"
+        self.chunk_folder = Path(folder) / "campaign"
 
     def begin(self, *, resume: bool) -> None:
         """Make room for the campaign's chunks.
@@ -79,7 +82,7 @@ class CampaignStore:
         """Return the campaign if its one file stands already; None where it does not."""
         if not self.path.exists():
             return None
-        dataset = self._load(self.path)
+        dataset = read_dataset(self.path, _REMEDY)
         if dataset.attrs.get(_IDENTITY) != self._identity:
             return None
         return self._result(dataset)
@@ -92,13 +95,14 @@ class CampaignStore:
         OutputError
             If the file cannot be written.
         """
-        dataset = self._dataset(
+        dataset = _dataset(
+            self._plan,
             np.concatenate([np.array(one.number, np.int64) for one in rows]),
             np.concatenate([one.figures for one in rows]),
             [status for one in rows for status in one.status],
             [reason for one in rows for reason in one.reason],
         )
-        _write(self._chunk(number), dataset)
+        write_dataset(self._chunk(number), dataset)
 
     def merge(self) -> CampaignResult:
         """Make one file of all chunks, then remove them.
@@ -115,7 +119,7 @@ class CampaignStore:
         chunks = [self._read(self._chunk(number)) for number in range(len(self._plan.chunks))]
         dataset = xr.concat(chunks, "run", combine_attrs="override")
         result = self._result(dataset)
-        _write(self.path, dataset)
+        write_dataset(self.path, dataset)
         self.discard_chunks()
         return result
 
@@ -130,7 +134,7 @@ class CampaignStore:
         return self.chunk_folder / f"chunk-{number:06d}.nc"
 
     def _read(self, path: Path) -> xr.Dataset:
-        dataset = self._load(path)
+        dataset = read_dataset(path, _REMEDY)
         if dataset.attrs.get(_IDENTITY) != self._identity:
             fault = Fault(
                 _IDENTITY,
@@ -141,16 +145,6 @@ class CampaignStore:
             )
             raise InputError(path, fault)
         return dataset
-
-    def _load(self, path: Path) -> xr.Dataset:
-        import xarray as xr
-
-        try:
-            with xr.open_dataset(path, engine="h5netcdf") as dataset:
-                return dataset.load()
-        except (OSError, ValueError, KeyError) as error:
-            fault = Fault("", "", f"cannot be read: {error}", "delete it; --resume runs it again")
-            raise InputError(path, fault) from error
 
     def _result(self, dataset: xr.Dataset) -> CampaignResult:
         if not np.array_equal(dataset["run"], np.arange(self._plan.runs)):
@@ -165,36 +159,37 @@ class CampaignStore:
             reason=dataset["reason"].to_numpy().astype(np.str_),
         )
 
-    def _dataset(
-        self,
-        index: np.ndarray[tuple[int], np.dtype[np.int64]],
-        figures: np.ndarray[tuple[int, int], np.dtype[np.float64]],
-        status: list[str],
-        reason: list[str],
-    ) -> xr.Dataset:
-        import xarray as xr
 
-        points = self._plan.points[index]
-        data = {
-            name: xr.DataArray(points[:, place], dims="run", attrs={"units": unit})
-            for place, (name, unit) in enumerate(PARAMETER_UNITS.items())
-        }
-        for place, (name, unit) in enumerate(zip(FIGURES, _FIGURE_UNITS, strict=True)):
-            data[name] = xr.DataArray(figures[:, place], dims="run", attrs={"units": unit})
-        data["status"] = xr.DataArray(np.array(status, object), dims="run")
-        data["reason"] = xr.DataArray(np.array(reason, object), dims="run")
-        values = self._plan.values()
-        attributes = {
-            "study": self._plan.study.name,
-            "study_hash": self._plan.study.hash(),
-            _IDENTITY: self._identity,
-            "mptune_version": values["version"],
-            "campaign": json.dumps(values["campaign"]),
-            "gains": json.dumps(values["gains"]),
-            "feedforward": json.dumps(values["feedforward"]),
-        }
-        return xr.Dataset(data, {"run": index}, attributes)
+def to_dataset(result: CampaignResult) -> xr.Dataset:
+    """Return a campaign as a labelled data set over its runs, as ``campaign.nc`` holds it."""
+    runs = np.arange(result.plan.runs)
+    return _dataset(
+        result.plan, runs, result.figures, result.status.tolist(), result.reason.tolist()
+    )
 
 
-def _write(path: Path, dataset: xr.Dataset) -> None:
-    write_whole_with(path, lambda beside: dataset.to_netcdf(beside, engine="h5netcdf"))
+def _dataset(
+    plan: Plan, index: IntArray, figures: FloatArray, status: list[str], reason: list[str]
+) -> xr.Dataset:
+    import xarray as xr
+
+    points = plan.points[index]
+    data = {
+        name: xr.DataArray(points[:, place], dims="run", attrs={"units": unit})
+        for place, (name, unit) in enumerate(PARAMETER_UNITS.items())
+    }
+    for place, one in enumerate(MERITS):
+        data[one.key] = xr.DataArray(figures[:, place], dims="run", attrs={"units": one.unit})
+    data["status"] = xr.DataArray(np.array(status, object), dims="run")
+    data["reason"] = xr.DataArray(np.array(reason, object), dims="run")
+    values = plan.values()
+    attributes = {
+        "study": plan.study.name,
+        "study_hash": plan.study.hash(),
+        _IDENTITY: plan.identity(),
+        "mptune_version": values["version"],
+        "campaign": json.dumps(values["campaign"]),
+        "gains": json.dumps(values["gains"]),
+        "feedforward": json.dumps(values["feedforward"]),
+    }
+    return xr.Dataset(data, {"run": index}, attributes)

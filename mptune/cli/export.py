@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from mptune.cli.options import OUT, JsonOption, OutOption, QuietOption, SetOption, finish
-from mptune.export.formats import Format, Precision
+from mptune.export.formats import Precision, Target
 
 GainsArgument = Annotated[Path, typer.Argument(metavar="GAINS", help="The gains file.")]
 StudyOption = Annotated[
@@ -20,7 +20,7 @@ StudyOption = Annotated[
     ),
 ]
 ToOption = Annotated[
-    Format, typer.Option(help="fmu: FMI 2.0 and 3.0; st: IEC 61131-3, outer loops and filters.")
+    Target, typer.Option(help="fmu: FMI 2.0 and 3.0; st: IEC 61131-3, outer loops and filters.")
 ]
 PrecisionOption = Annotated[Precision, typer.Option(help="Arithmetic of the target.")]
 DigitsOption = Annotated[

@@ -153,7 +153,7 @@ def _measured(
     quiet: bool,
 ) -> None:
     """Fit measured data and leave."""
-    from mptune.cli import show, show_measured
+    from mptune.cli import show, show_identify
     from mptune.job.measured import identify_data
     from mptune.params.load import load_study
 
@@ -163,6 +163,6 @@ def _measured(
     if json:
         show.as_json(result.json())
     else:
-        show_measured.measured(result)
+        show_identify.measured(result)
         show.files(files)
     finish(met=result.satisfied)

@@ -70,7 +70,7 @@ def sweep(
     quiet: QuietOption = False,
 ) -> None:
     """Draw and store both sides of both inequalities over the grid."""
-    from mptune.cli import show, show_chain
+    from mptune.cli import show
     from mptune.job.sweep import sweep_study
     from mptune.params.gains import read_gains
     from mptune.params.load import load_study
@@ -82,8 +82,7 @@ def sweep(
     if json:
         show.as_json({**result.json(), "chain": [link.json() for link in links]})
     else:
-        show.sweep(result)
-        show_chain.chain(links)
+        show.sweep(result, links)
         show.files(files)
     finish(met=result.satisfied)
 

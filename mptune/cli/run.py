@@ -18,7 +18,7 @@ from mptune.cli.options import (
 )
 
 if TYPE_CHECKING:
-    from mptune.job.run import JobResult
+    from mptune.job.result import JobResult
 
 
 def run(
@@ -51,12 +51,11 @@ def run(
 
 
 def _say(result: JobResult, *, quiet: bool, verbose: bool) -> None:
-    from mptune.cli import show, show_chain, show_run, show_tune
+    from mptune.cli import show, show_run, show_tune
 
     if verbose:
         show_tune.tuned(result.tuned)
         show_run.details(result)
-        show_chain.chain(result.chain)
         show.files(result.files)
     elif not quiet:
         show_run.summary(result)

@@ -1,206 +1,89 @@
-"""What the commands print: tables for people on stdout, progress on stderr, or JSON."""
+"""What the commands print for people: the report's own tables, and progress on stderr."""
 
 from __future__ import annotations
 
-import json
-import math
-import sys
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from rich import box
 from rich.console import Console
-from rich.progress import BarColumn, SpinnerColumn, TextColumn, TimeElapsedColumn
+from rich.progress import (
+    BarColumn,
+    ProgressColumn,
+    SpinnerColumn,
+    TextColumn,
+    TimeElapsedColumn,
+)
 from rich.progress import Progress as Bars
-from rich.table import Table
-from rich.text import Text
 
 from mptune.cli.interrupt import interruptible
-from mptune.params.paper import LEDGER
-from mptune.robust.result import Status
-from mptune.robust.tables import EQUATIONS, margin_rows, place_text, undecided_text
-from mptune.units import number, shown
+from mptune.cli.terminal import as_json, files, opening, show
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable, Iterator
-    from pathlib import Path
+    from collections.abc import Callable, Iterator
 
-    from mptune.params.section import Section
     from mptune.progress import Progress
-    from mptune.robust.result import Check, SweepResult
+    from mptune.robust.chain import Link
+    from mptune.robust.result import SweepResult
     from mptune.verify.result import VerifyResult
 
-_PIPE_WIDTH = 120  # columns, where the output is no terminal
-console = Console(
-    width=None if sys.stdout.isatty() else _PIPE_WIDTH, markup=False, emoji=False, highlight=False
-)
+__all__ = ["as_json", "bars", "files", "ledger", "progress", "sweep", "verified"]
 
 
-def as_json(values: dict[str, Any]) -> None:
-    """Print one JSON object; what JSON cannot say (NaN, infinity) becomes null."""
-    console.file.write(json.dumps(_sayable(values), allow_nan=False) + "\n")
-
-
-def _sayable(value: Any) -> Any:
-    if isinstance(value, dict):
-        return {key: _sayable(item) for key, item in value.items()}
-    if isinstance(value, list | tuple):
-        return [_sayable(item) for item in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value
+@contextmanager
+def bars(*columns: ProgressColumn, quiet: bool) -> Iterator[tuple[Callable[[], None], Bars]]:
+    """Yield bars on stderr, and what to call now and then so that an interrupt gets through."""
+    first = SpinnerColumn(), TextColumn("{task.description}"), BarColumn()
+    errors = Console(stderr=True)
+    with (
+        interruptible() as check,
+        Bars(*first, *columns, console=errors, transient=True, disable=quiet) as made,
+    ):
+        yield check, made
 
 
 @contextmanager
 def progress(*, quiet: bool) -> Iterator[Progress]:
     """Yield a function that takes a stage's name and the share of it that is done."""
-    errors = Console(stderr=True)
-    columns = (SpinnerColumn(), TextColumn("{task.description}"), BarColumn(), TimeElapsedColumn())
-    bars = Bars(*columns, console=errors, transient=True, disable=quiet)
-    with interruptible() as check, bars:
+    with bars(TimeElapsedColumn(), quiet=quiet) as (check, made):
         tasks: dict[str, Any] = {}
 
         def report(stage: str, share: float) -> None:
             check()
             for known, task in tasks.items():
                 if known != stage:
-                    bars.update(task, total=1.0, completed=1.0)
+                    made.update(task, total=1.0, completed=1.0)
             if stage not in tasks:
-                tasks[stage] = bars.add_task(stage, total=None)
+                tasks[stage] = made.add_task(stage, total=None)
             if share > 0:
-                bars.update(tasks[stage], total=1.0, completed=share)
+                made.update(tasks[stage], total=1.0, completed=share)
 
         yield report
 
 
-def new_table(title: str) -> Table:
-    """Return an empty table in the look of all."""
-    return Table(title=title, title_justify="left", title_style="bold", box=box.SIMPLE_HEAD)
+def sweep(result: SweepResult, chain: tuple[Link, ...] = ()) -> None:
+    """Print both conditions, the family's margins, the requirements, and the chain at F_ref."""
+    from mptune.report.content.certificates import bounds, radii
+    from mptune.report.content.front import requirements, warnings
+    from mptune.report.content.loops import conditions, gain_factors, margins
 
-
-def verdict(text: str, *, good: bool) -> Text:
-    """Return a word, green where it is good and red where not."""
-    return Text(text, style="green" if good else "bold red")
-
-
-def sweep(result: SweepResult) -> None:
-    """Print both conditions, the family's margins and the requirements."""
-    table = new_table("Robust stability over the family")
-    for heading in ("condition", "left/right", "margin", "worst at", "premises", "verdict"):
-        table.add_column(heading)
-    for condition in result.conditions:
-        place = "limit of vanishing frequency" if condition.low_frequency_limit else None
-        premises = condition.nominal_stable and condition.poles_equal
-        table.add_row(
-            f"{EQUATIONS[condition.name]} ({condition.name})",
-            f"{condition.worst_ratio:.4f}",
-            f"{condition.margin:.3f}",
-            place or place_text(condition.at),
-            verdict("hold" if premises else "FAIL", good=premises),
-            verdict(condition.status.value, good=condition.satisfied),
-        )
-    console.print(table)
-    _margins(result)
-    requirements(result.checks)
-    undecided = undecided_text(result)
-    if undecided:
-        console.print(verdict(undecided, good=False))
-
-
-def _margins(result: SweepResult) -> None:
-    table, sampled = new_table("Worst margins of the true family"), result.sampled
-    table.add_column("margin")
-    for loop in ("velocity", "position", "at F_ref"):
-        for path in ("no path", "with path"):
-            table.add_column(f"{loop}\n{path}", justify="right")
-    table.add_column("at F_ref\nsampled", justify="right")
-    for label, cells in margin_rows(result):
-        table.add_row(label, *cells)
-    table.add_row(
-        "unstable plants",
-        *(
-            verdict(str(count), good=count == 0)
-            for loop in range(3)
-            for family in result.families
-            for count in [int((~(family.stable if loop else family.velocity_stable)).sum())]
-        ),
-        verdict(str(sampled.unstable_count), good=sampled.unstable_count == 0) if sampled else "—",
-    )
-    console.print(table)
-
-
-def requirements(checks: Iterable[Check]) -> None:
-    """Print requirements with what was found."""
-    table = new_table("Requirements")
-    for heading in ("requirement", "limit", "found", "verdict", "where"):
-        table.add_column(heading)
-    for check in checks:
-        good = check.status is Status.SATISFIED
-        table.add_row(
-            check.name,
-            check.limit,
-            number(check.found),
-            verdict(check.status.value, good=good),
-            place_text(check.at),
-        )
-    console.print(table)
-
-
-def gains(
-    found: Section, before: Section, before_name: str = "study's own", title: str = "Gains"
-) -> None:
-    """Print gains beside others."""
-    table = new_table(title)
-    for heading in ("key", "symbol"):
-        table.add_column(heading)
-    for heading in ("value", before_name):
-        table.add_column(heading, justify="right")
-    for key, unit, symbol, _ in found.quantities():
-        values = (shown(getattr(one, key), unit) for one in (found, before))
-        table.add_row(key, symbol, *values)
-    console.print(table)
+    opening((), warnings(result))
+    show(conditions({"": result}), margins(result))
+    if result.certificates is not None:
+        show(bounds(result.certificates), radii(result.certificates))
+    show(requirements(result.checks))
+    if chain:
+        show(gain_factors(chain))
 
 
 def verified(result: VerifyResult) -> None:
     """Print each machine's figures and status."""
-    table = new_table("The nonlinear machine")
-    headings = ("mass", "oil", "seed", "index [ms]", "loss [J/mm]", "∫ΔF² [kN² s]", "final [mm]")
-    for heading in (*headings, "converter [mm]", "switches"):
-        table.add_column(heading, justify="right")
-    table.add_column("status", no_wrap=True)
-    for case in result.cases:
-        table.add_row(
-            f"{case.mass_kg / 1e3:g} t",
-            f"{case.oil_bulk_modulus_pa / 1e6:g} MPa",
-            str(case.seed),
-            number(case.mean("performance_index_ms"), 3),
-            number(case.mean("energy_loss_j_per_mm"), 3),
-            number(case.mean("force_error_integral_kn2s"), 3),
-            number(case.span("final_error_mm")[1], 2),
-            number(case.span("converter_peak_mm")[1], 3),
-            number(case.mean("valve_switches"), 4),
-            verdict(case.status.value, good=case.stable),
-        )
-    console.print(table)
-    for case in result.cases:
-        if case.broken:
-            console.print(
-                f"{case.mass_kg / 1e3:g} t, oil {case.oil_bulk_modulus_pa / 1e6:g} MPa, seed "
-                f"{case.seed}: {case.broken} from {case.broken_at_s:.1f} s on"
-            )
+    from mptune.report.content.closed_loop import machines
 
-
-def files(paths: Iterable[Path]) -> None:
-    """Print what was written."""
-    for path in paths:
-        console.print(Text(f"wrote {path}"), soft_wrap=True)
+    show(machines(result))
 
 
 def ledger() -> None:
     """Print the ledger of disagreements with the paper."""
-    table = Table(title="Where mptune differs from the paper", show_lines=True)
-    for heading in ("where", "the paper reads", "used here", "why"):
-        table.add_column(heading, ratio=2 if heading == "why" else 1)
-    for entry in LEDGER:
-        table.add_row(*(Text(text) for text in (entry.where, entry.reads, entry.used, entry.why)))
-    console.print(table)
+    from mptune.report.content.parameters import ledger as chapter
+
+    show(*chapter().blocks, ruled=True)

@@ -6,24 +6,16 @@ import math
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
-from rich.console import Console
-from rich.progress import (
-    BarColumn,
-    MofNCompleteColumn,
-    ProgressColumn,
-    SpinnerColumn,
-    TextColumn,
-    TimeRemainingColumn,
-)
-from rich.progress import Progress as Bars
+from rich.progress import MofNCompleteColumn, ProgressColumn, TimeRemainingColumn
 from rich.text import Text
 
 from mptune.campaign.draw import PARAMETER_UNITS
 from mptune.campaign.guarantee import runs_table
 from mptune.campaign.result import QUANTILES, draw_json
 from mptune.campaign.simulate import FIGURES
-from mptune.cli.interrupt import interruptible
-from mptune.cli.show import as_json, console, new_table, verdict
+from mptune.cli.show import bars
+from mptune.cli.terminal import as_json, say, show
+from mptune.report.blocks import Column, Row, Tabular, left, right, verdict
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
@@ -51,46 +43,40 @@ class _Rate(ProgressColumn):
 @contextmanager
 def progress(runs: int, *, quiet: bool) -> Iterator[Progress]:
     """Yield what is told the share of so many runs that is done; show their rate and time left."""
-    columns = (
-        SpinnerColumn(), TextColumn("runs"), BarColumn(), MofNCompleteColumn(), _Rate(),
-        TimeRemainingColumn(),
-    )  # fmt: skip
-    errors = Console(stderr=True)
-    with (
-        interruptible() as check,
-        Bars(*columns, console=errors, transient=True, disable=quiet) as bars,
-    ):
-        task = bars.add_task("runs", total=None)
+    columns = MofNCompleteColumn(), _Rate(), TimeRemainingColumn()
+    with bars(*columns, quiet=quiet) as (check, made):
+        task = made.add_task("runs", total=None)
 
         def report(_stage: str, share: float) -> None:
             check()
-            bars.update(task, total=runs, completed=round(share * runs))
+            made.update(task, total=runs, completed=round(share * runs))
 
         yield report
 
 
 def campaign(result: CampaignResult) -> None:
     """Print distributions, worst cases, failures and what they guarantee."""
-    table = new_table(f"{result.plan.runs} runs ({result.plan.study.study.campaign.method})")
-    for heading in ("figure", *(f"{100 * share:g} %" for share in _SHOWN), "worst", "run"):
-        table.add_column(heading, justify="left" if heading == "figure" else "right")
-    table.add_column("goes most with (rank correlation)")
-    for figure in FIGURES:
-        quantiles = dict(zip(QUANTILES, result.quantiles(figure), strict=True))
-        worst = result.worst_run(figure)
-        table.add_row(
-            figure,
-            *(number(quantiles[share]) for share in _SHOWN),
-            number(math.nan if worst is None else float(result.column(figure)[worst])),
-            "—" if worst is None else str(worst),
-            _strongest(result.correlations(figure)),
-        )
-    console.print(table)
+    title = f"{result.plan.runs} runs ({result.plan.study.study.campaign.method})"
+    columns = [*left("Figure"), *right(*(f"{100 * share:g} %" for share in _SHOWN), "Worst", "Run")]
+    columns.append(Column("Goes most with (rank correlation)"))
+    show(Tabular(title, columns, [_distribution(result, figure) for figure in FIGURES]))
     for reason, count in result.reasons().items():
-        console.print(f"failed: {count} of {result.plan.runs}, {reason}")
-    _guarantee(result)
+        say(f"failed: {count} of {result.plan.runs}, {reason}")
+    say(_guarantee(result))
     met = result.satisfied
-    console.print(verdict("satisfied" if met else "violated", good=met))
+    say(verdict("satisfied" if met else "violated", good=met))
+
+
+def _distribution(result: CampaignResult, figure: str) -> Row:
+    quantiles = dict(zip(QUANTILES, result.quantiles(figure), strict=True))
+    worst = result.worst_run(figure)
+    return [
+        figure,
+        *(number(quantiles[share]) for share in _SHOWN),
+        number(math.nan if worst is None else float(result.column(figure)[worst])),
+        "—" if worst is None else str(worst),
+        _strongest(result.correlations(figure)),
+    ]
 
 
 def _strongest(correlations: dict[str, float]) -> str:
@@ -99,15 +85,14 @@ def _strongest(correlations: dict[str, float]) -> str:
     return ", ".join(f"{name} {known[name]:+.2f}" for name in order[:2])
 
 
-def _guarantee(result: CampaignResult) -> None:
+def _guarantee(result: CampaignResult) -> str:
     found = result.guarantee
     if found is None:
-        console.print(
+        return (
             "No guarantee: points of a grid or of Sobol' are no independent draws; "
             'take campaign.method = "monte carlo" for one.'
         )
-        return
-    console.print(
+    return (
         f"{found.failures} of {found.runs} failed: with a confidence of 1 − {found.doubt:g} a "
         "machine drawn uniformly from these ranges fails with a probability below "
         f"{found.failure_probability:.3g} (Clopper and Pearson)."
@@ -118,21 +103,15 @@ def needed(failure_probability: float, doubt: float, *, json: bool) -> None:
     """Print how many runs guarantee a failure probability."""
     runs = runs_table(failure_probability, doubt)
     if json:
-        values = {str(failures): count for failures, count in runs.items()}
-        as_json(
-            {
-                "failure_probability": failure_probability,
-                "doubt": doubt,
-                "runs_by_failures": values,
-            }
-        )
+        asked = {"failure_probability": failure_probability, "doubt": doubt}
+        as_json({**asked, "runs_by_failures": {str(most): count for most, count in runs.items()}})
         return
-    console.print(
+    say(
         f"For a failure probability below {failure_probability:g} with a confidence of "
         f"1 − {doubt:g}, by independent draws:"
     )
     for failures, count in runs.items():
-        console.print(f"{count} runs, if {failures} of them fail")
+        say(f"{count} runs, if {failures} of them fail")
 
 
 def replay_json(plan: Plan, run: int, case: CaseResult, reason: str) -> dict[str, Any]:
@@ -148,33 +127,27 @@ def replay_json(plan: Plan, run: int, case: CaseResult, reason: str) -> dict[str
 
 def replayed(plan: Plan, run: int, case: CaseResult, reason: str) -> None:
     """Print one run."""
-    _draw(plan.draw(run))
-    table = new_table(f"Run {run}")
-    table.add_column("figure")
-    table.add_column("value", justify="right")
-    values = case.json()
-    for figure in FIGURES:
-        table.add_row(figure, number(values[figure], 6))
-    console.print(table)
-    console.print("Status:", verdict(reason or case.status.value, good=not reason))
+    say(_machine(plan.draw(run)))
+    rows: list[Row] = [[figure, number(case.figure(figure), 6)] for figure in FIGURES]
+    show(Tabular(f"Run {run}", [*left("Figure"), *right("Value")], rows))
+    say("Status:", verdict(reason or case.status.value, good=not reason))
 
 
 def worst(found: WorstMachine) -> None:
     """Print the worst machine of a search."""
-    _draw(found.draw)
+    say(_machine(found.draw))
     low, high = found.other_noise.min(), found.other_noise.max()
-    console.print(
+    say(
         f"{found.figure} {number(found.value)}; under other sensor noise {number(low)} to "
         f"{number(high)}. The worst of {found.evaluations} machines searched, which may miss "
         "a worse one."
     )
     reason = found.reason
-    console.print("Status:", verdict(reason or found.status, good=not reason))
+    say("Status:", verdict(reason or found.status, good=not reason))
 
 
-def _draw(draw: Draw) -> None:
-    parts = (
+def _machine(draw: Draw) -> str:
+    return "; ".join(
         f"{name.replace('_', ' ')} {shown(value, unit)}"
         for (name, unit), value in zip(PARAMETER_UNITS.items(), draw, strict=True)
     )
-    console.print("; ".join(parts))

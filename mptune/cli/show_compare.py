@@ -4,59 +4,54 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.cli.show import console, new_table, verdict
+from mptune.cli.terminal import show
 from mptune.loops.broken import FORCE
+from mptune.report.blocks import Cell, Row, Tabular, left, right, verdict
 from mptune.robust.tables import EQUATIONS
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
-    from rich.text import Text
+    from collections.abc import Iterator
 
     from mptune.job.compare import Compared
+    from mptune.params.section import Section
 
 
 def compared(found: tuple[Compared, ...]) -> None:
     """Print gains, ratios, margins and indices side by side."""
-    table = new_table("Gains compared")
-    table.add_column("")
-    for one in found:
-        table.add_column(one.label, justify="right")
-    for name, cells in _rows(found):
-        table.add_row(name, *cells)
-    console.print(table)
+    columns = [*left(""), *right(*(one.label for one in found))]
+    show(Tabular("Gains compared", columns, list(_rows(found))))
 
 
-def _rows(found: tuple[Compared, ...]) -> list[tuple[str, list[str | Text]]]:
-    rows: list[tuple[str, list[str | Text]]] = [("study", [one.sweep.study.name for one in found])]
-    rows.append(("model", [f"{one.sweep.study.hash()[:12]}…" for one in found]))
-    for key, unit, mark, _ in found[0].sweep.gains.quantities():
-        values: list[str | Text] = [shown(getattr(one.sweep.gains, key), unit) for one in found]
-        rows.append((mark, values))
-    for key, unit, mark, _ in found[0].feedforward.quantities():
-        if any(getattr(one.feedforward, key) for one in found):
-            rows.append((mark, [shown(getattr(one.feedforward, key), unit) for one in found]))
+def _rows(found: tuple[Compared, ...]) -> Iterator[Row]:
+    yield ["study", *(one.sweep.study.name for one in found)]
+    yield ["model", *(f"{one.sweep.study.hash()[:12]}…" for one in found)]
+    yield from _quantities([one.sweep.gains for one in found])
+    yield from _quantities([one.feedforward for one in found], used=True)
     for n, name in enumerate(EQUATIONS.values()):
         conditions = [one.sweep.conditions[n] for one in found]
-        ratios: list[str | Text] = [
-            verdict(f"{condition.worst_ratio:.4f}", good=condition.satisfied)
-            for condition in conditions
+        yield [
+            f"{name} left/right",
+            *(verdict(f"{one.worst_ratio:.4f}", good=one.satisfied) for one in conditions),
         ]
-        rows += [(f"{name} left/right", ratios)]
-    rows.append(("gain margin at F_ref, with path", [_margin(one, "filters") for one in found]))
-    rows.append(("gain margin at F_ref, sampled", [_margin(one, "sampled") for one in found]))
-    rows.append(("noise gain [N/m]", [number(one.sweep.noise_gain) for one in found]))
+    yield ["gain margin at F_ref, with path", *(_margin(one, "filters") for one in found)]
+    yield ["gain margin at F_ref, sampled", *(_margin(one, "sampled") for one in found)]
+    yield ["noise gain [N/m]", *(number(one.sweep.noise_gain) for one in found)]
     for mass in sorted({mass for one in found for mass in one.index_ms}):
-        indices: list[str | Text] = [_index(one, mass) for one in found]
-        rows.append((f"linear index at {mass / 1e3:g} t [ms]", indices))
+        yield [f"linear index at {mass / 1e3:g} t [ms]", *(_index(one, mass) for one in found)]
     for key in sorted({key for one in found for key in one.recorded if key[:6] != "linear"}):
-        recorded: list[str | Text] = [
-            number(float(one.recorded.get(key, float("nan")))) for one in found
-        ]
-        rows.append((f"recorded: {key}", recorded))
+        recorded = (number(float(one.recorded.get(key, float("nan")))) for one in found)
+        yield [f"recorded: {key}", *recorded]
     met = [one.sweep.satisfied for one in found]
-    words: list[str | Text] = [verdict("met" if ok else "not met", good=ok) for ok in met]
-    rows.append(("requirements", words))
-    return rows
+    yield ["requirements", *(verdict("met" if ok else "not met", good=ok) for ok in met)]
+
+
+def _quantities(found: list[Section], *, used: bool = False) -> Iterator[Row]:
+    """Yield a row per gain, with ``used`` only of those that are not off everywhere."""
+    for key, unit, mark, _ in found[0].quantities():
+        values = [getattr(one, key) for one in found]
+        if any(values) or not used:
+            yield [mark, *(shown(value, unit) for value in values)]
 
 
 def _margin(one: Compared, path: str) -> str:
@@ -64,7 +59,7 @@ def _margin(one: Compared, path: str) -> str:
     return number(family.worst("gain_margin", FORCE)[0], 3) if family else "—"
 
 
-def _index(one: Compared, mass: float) -> str | Text:
+def _index(one: Compared, mass: float) -> str | Cell:
     index = one.index_ms.get(mass)
     if index is None:
         return "—"

@@ -4,8 +4,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.cli.show import console, files, gains, requirements, verdict
+from mptune.cli.terminal import files, say, show
 from mptune.export.controller import WARNING
+from mptune.report.blocks import verdict
+from mptune.report.content.front import gains, requirements
 
 if TYPE_CHECKING:
     from mptune.job.export import ExportResult
@@ -14,16 +16,16 @@ if TYPE_CHECKING:
 def exported(result: ExportResult) -> None:
     """Print the gains as written, their requirements and the files."""
     controller = result.controller
-    gains(controller.margins.written.gains, controller.source.gains, "in the gains file")
-    requirements(controller.margins.checks)
+    written, source = controller.margins.written.gains, controller.source.gains
+    show(gains((written,), (source,), "In the gains file"), requirements(controller.margins.checks))
     if not result.files:
-        names = ", ".join(check.name for check in controller.margins.broken)
-        console.print(verdict("Nothing was written:", good=False), end=" ")
-        console.print(f"as written, these requirements no longer hold: {names}.")
-        console.print(
-            "Keep more digits (--digits), take --precision double, or tune with a reserve."
+        names = ", ".join(check.label for check in controller.margins.broken)
+        say(
+            verdict("Nothing was written:", good=False),
+            f"as written, these requirements no longer hold: {names}.",
         )
+        say("Keep more digits (--digits), take --precision double, or tune with a reserve.")
         return
     if not controller.trusted:
-        console.print(verdict(" ".join(WARNING), good=False))
+        say(verdict(" ".join(WARNING), good=False))
     files(result.files)

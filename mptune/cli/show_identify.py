@@ -1,62 +1,48 @@
-"""What ``mptune identify`` prints."""
+"""What ``mptune identify`` prints, of the simulated force loop and of measured data."""
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.cli.show import console, new_table, verdict
-from mptune.identify.result import BANDS, FitStatus
+from mptune.cli.terminal import say, show
+from mptune.identify.fitted import Certainty
+from mptune.report.blocks import Row, Tabular, left, right, verdict
+from mptune.report.content.identification import agreement, counts
 from mptune.units import number
 
 if TYPE_CHECKING:
-    from rich.text import Text
-
-    from mptune.identify.result import Agreement, IdentifyResult, Panel
+    from mptune.identify.fitted import Interval
+    from mptune.identify.result import IdentifyResult
+    from mptune.job.measured import MeasuredResult
 
 
 def identified(result: IdentifyResult) -> None:
     """Print each panel's agreement with theory, and its counts."""
-    shown = new_table(f"The force loop beside G_F with its delay ({result.excitation.value})")
-    shown.add_column("panel", no_wrap=True)
-    shown.add_column("band [rad/s]", justify="right")
-    for heading in ("limits", "largest median", "largest", "within"):
-        shown.add_column(heading, justify="right")
-    shown.add_column("verdict")
+    say(f"Excited by: {result.excitation.value}")
+    show(agreement(result.panels))
     for panel in result.panels:
-        name = panel.name
-        for band in BANDS:
-            agreement = panel.agreement(band)
-            if agreement is not None:
-                shown.add_row(name, *_cells(agreement))
-                name = ""
-    console.print(shown)
-    for panel in result.panels:
-        console.print(_counts(panel))
+        say(counts(panel))
 
 
-def _cells(agreement: Agreement) -> tuple[str | Text, ...]:
-    band = agreement.band
-    return (
-        f"{band.low:g}–{band.high:g}",
-        _pair(band.decibels, band.degrees, "±"),
-        _pair(agreement.median_decibels, agreement.median_degrees),
-        _pair(agreement.largest_decibels, agreement.largest_degrees),
-        f"{100 * agreement.within:.1f} %",
-        verdict("agrees" if agreement.satisfied else "DISAGREES", good=agreement.satisfied),
-    )
-
-
-def _pair(decibels: float, degrees: float, sign: str = "") -> str:
-    return f"{sign}{number(decibels, 2)} dB, {sign}{number(degrees, 3)}°"
-
-
-def _counts(panel: Panel) -> str:
-    failed = [
-        f"{panel.count(status)} {status.name.lower().replace('_', ' ')}"
-        for status in FitStatus
-        if status is not FitStatus.FITTED and panel.count(status)
+def measured(result: MeasuredResult) -> None:
+    """Print what was fitted to each response, and the ranges over all of them."""
+    rows: list[Row] = [
+        [
+            one.name,
+            *(_interval(each) for each in (one.tau_a, one.tau_b, one.delay)),
+            f"{100 * one.error:.2g} %",
+            one.weakest,
+            verdict(one.certainty.value, good=one.certainty is Certainty.DETERMINED),
+        ]
+        for one in result.fits
     ]
-    return (
-        f"{panel.name}: {len(panel.velocity)} operating points, {panel.skipped} skipped (p_B above "
-        f"p_max), {panel.status.size} fits, {', '.join(failed) or 'all valid'}"
-    )
+    columns = [*left("Response"), *right("τ_A [ms]", "τ_B [ms]", "Delay [ms]", "Error")]
+    columns += left("Least known", "Verdict")
+    show(Tabular("Eq. 11 with a dead time, fitted (95 % confidence)", columns, rows))
+    say("For the study, in the place of its own [uncertainty]:")
+    say(result.section)
+
+
+def _interval(one: Interval) -> str:
+    low, value, high = (number(1e3 * end, 4) for end in (one.low, one.value, one.high))
+    return f"{value} ({low}–{high})"

@@ -38,7 +38,7 @@ def tune(
 ) -> None:
     """Find gains that satisfy the requirements."""
     from mptune.cli import show
-    from mptune.cli.show_tune import tuning
+    from mptune.cli.show_tune import whole_tuning
     from mptune.job.tune import tune_study
     from mptune.params.load import load_study
 
@@ -48,5 +48,5 @@ def tune(
     if json:
         show.as_json(result.json())
     else:
-        tuning(result)
+        whole_tuning(result)
     finish(met=result.tuned.sweep.satisfied)

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
     from mptune.arrays import IntArray
-    from mptune.export.controller import Controller
+    from mptune.export.controller import TargetController
 
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
 _CONSTANTS = """\
@@ -79,7 +79,7 @@ const uint8_t mptune_switches[MPTUNE_STATES][MPTUNE_STATES] = {{
 """
 
 
-def c_sources(controller: Controller) -> dict[str, str]:
+def c_sources(controller: TargetController) -> dict[str, str]:
     """Return every file of the controller in C by its name."""
     comment = c_comment(controller.heading("Numbers of one study, written by mptune."))
     folder = resources.files("mptune.export").joinpath("c")
@@ -101,7 +101,7 @@ def c_comment(lines: Iterable[str]) -> str:
     return "/*\n" + "".join(f" * {line}".rstrip() + "\n" for line in safe) + " */\n"
 
 
-def _constants(controller: Controller) -> str:
+def _constants(controller: TargetController) -> str:
     numbers, provenance = controller.numbers, controller.provenance()
     members = (
         f"    mptune_real {one.key}; /* {one.unit if one.unit != '1' else '-'}, {one.meaning} */"
@@ -119,7 +119,7 @@ def _constants(controller: Controller) -> str:
     )
 
 
-def _data(controller: Controller) -> str:
+def _data(controller: TargetController) -> str:
     space = search_space()
     numbers = controller.numbers
     single = numbers.precision is Precision.FLOAT

@@ -22,7 +22,7 @@ WARNING = (
 
 
 @dataclass(frozen=True)
-class Controller:
+class TargetController:
     """A controller ready to be written in any format.
 
     Attributes
@@ -76,7 +76,7 @@ class Controller:
         """Return every requirement with its limit and what was found."""
         return [
             {
-                "requirement": check.name,
+                "requirement": check.label,
                 "limit": check.limit,
                 "found": finite(check.found),
                 "status": check.status.value,
@@ -92,7 +92,7 @@ class Controller:
         lines += [f"{key}: {value}" for key, value in self.provenance().items()]
         lines += ["", f"margins as written: {self.verdict}"]
         for check in self.margins.checks:
-            lines.append(f"  {check.name}: {check.found:.6g} ({check.limit}), {check.status}")
+            lines.append(f"  {check.label}: {check.found:.6g} ({check.limit}), {check.status}")
         lines += [f"closed loop on the nonlinear machine: {self.source.closed_loop}"]
         lines += ["", "gains, SI:"]
         for section in (self.gains, self.feedforward):

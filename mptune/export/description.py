@@ -12,7 +12,7 @@ from mptune.params.gains import version
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from mptune.export.controller import Controller
+    from mptune.export.controller import TargetController
     from mptune.export.variables import Variable
 
 MODEL = "mptune_controller"
@@ -21,7 +21,7 @@ _FMI2_TYPES = {"real": "Real", "integer": "Integer", "boolean": "Boolean"}
 _FMI3_TYPES = {"real": "Float64", "integer": "Int32", "boolean": "Boolean"}
 
 
-def fmi2_description(controller: Controller, token: str, sources: Sequence[str]) -> str:
+def fmi2_description(controller: TargetController, token: str, sources: Sequence[str]) -> str:
     """Return ``modelDescription.xml`` of FMI 2.0."""
     root = _root(controller, "2.0", guid=token)
     simulation = ET.SubElement(
@@ -53,7 +53,7 @@ def fmi2_description(controller: Controller, token: str, sources: Sequence[str])
     return _text(root)
 
 
-def fmi3_description(controller: Controller, token: str) -> str:
+def fmi3_description(controller: TargetController, token: str) -> str:
     """Return ``modelDescription.xml`` of FMI 3.0."""
     root = _root(controller, "3.0", instantiationToken=token)
     period = controller.study.study.controller.fast_sampling_period
@@ -94,7 +94,7 @@ def build_description(sources: Sequence[str], flags: Sequence[str]) -> str:
     return _text(root)
 
 
-def _root(controller: Controller, fmi: str, **identity: str) -> ET.Element:
+def _root(controller: TargetController, fmi: str, **identity: str) -> ET.Element:
     provenance = controller.provenance()
     texts = [f"{key}: {value}" for key, value in provenance.items()]
     texts.append(f"margins as written: {controller.verdict}")
@@ -126,7 +126,7 @@ def _categories(root: ET.Element) -> None:
     ET.SubElement(categories, "Category", name="logStatusError")
 
 
-def _experiment(root: ET.Element, controller: Controller) -> None:
+def _experiment(root: ET.Element, controller: TargetController) -> None:
     period = controller.study.study.controller.fast_sampling_period
     ET.SubElement(root, "DefaultExperiment", startTime="0", stepSize=repr(period))
 

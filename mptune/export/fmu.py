@@ -24,7 +24,7 @@ from mptune.export.variables import variables
 from mptune.files import write_whole
 
 if TYPE_CHECKING:
-    from mptune.export.controller import Controller
+    from mptune.export.controller import TargetController
 
 _HEADERS = {
     2: ("fmi2Functions.h", "fmi2FunctionTypes.h", "fmi2TypesPlatform.h"),
@@ -32,7 +32,7 @@ _HEADERS = {
 }
 
 
-def write_units(controller: Controller, folder: Path) -> tuple[Path, ...]:
+def write_units(controller: TargetController, folder: Path) -> tuple[Path, ...]:
     """Compile, check and write ``controller-fmi2.fmu`` and ``controller-fmi3.fmu``.
 
     Raises
@@ -47,7 +47,7 @@ def write_units(controller: Controller, folder: Path) -> tuple[Path, ...]:
     )
 
 
-def build_unit(controller: Controller, version: int) -> bytes:
+def build_unit(controller: TargetController, version: int) -> bytes:
     """Return one function mock-up unit, compiled for this platform, sources included.
 
     Raises
@@ -85,14 +85,14 @@ def _fmpy() -> Any:
         ) from error
 
 
-def _token(controller: Controller) -> str:
+def _token(controller: TargetController) -> str:
     """Return an identity that belongs to these numbers and no others."""
     numbers = ",".join(f"{one.key}={one.value.hex()}" for one in controller.numbers.all())
     text = ",".join([controller.numbers.precision, *controller.provenance().values(), numbers])
     return "{" + str(uuid.uuid5(uuid.NAMESPACE_OID, text)) + "}"
 
 
-def _sources(controller: Controller, version: int, token: str) -> dict[str, str]:
+def _sources(controller: TargetController, version: int, token: str) -> dict[str, str]:
     """Return the controller, its interface and the standard's headers (2-clause BSD licence)."""
     folder = resources.files("mptune.export").joinpath("fmi")
     headers = resources.files("fmpy").joinpath("c-code")

@@ -5,7 +5,7 @@ from __future__ import annotations
 from enum import StrEnum
 
 
-class Format(StrEnum):
+class Target(StrEnum):
     """Formats of the controller's files."""
 
     TOML = "toml"

@@ -42,11 +42,11 @@ class WrittenMargins:
     @property
     def broken(self) -> tuple[Check, ...]:
         """Requirements that held for the gains as tuned and do not hold as written."""
-        failed = {check.name for check in self.before if check.status is not Status.SATISFIED}
+        failed = {check.key for check in self.before if check.status is not Status.SATISFIED}
         return tuple(
             check
             for check in self.checks
-            if check.name not in failed and check.status is not Status.SATISFIED
+            if check.key not in failed and check.status is not Status.SATISFIED
         )
 
     @property
@@ -84,12 +84,13 @@ def _bound_checks(bounds: GainBounds, gains: Gains) -> Iterator[Check]:
             (low, high), found = bound, getattr(gains, key)
             kept = low * (1 - _SLACK) <= found <= high * (1 + _SLACK)
             limit = f"{low:g} … {high:g} {unit if unit != '1' else ''}".rstrip()
-            yield Check(key, limit, found, _status(kept=kept), None)
+            yield Check(key, key, limit, found, _status(kept=kept), None)
 
 
 def _fidelity(written: Written) -> Check:
-    name, kept = "written coefficients against their gains", written.deviation <= DEVIATION
-    return Check(name, f"≤ {DEVIATION:g}", written.deviation, _status(kept=kept), None)
+    label, kept = "written coefficients against their gains", written.deviation <= DEVIATION
+    limit, status = f"≤ {DEVIATION:g}", _status(kept=kept)
+    return Check("written_coefficients", label, limit, written.deviation, status, None)
 
 
 def _status(*, kept: bool) -> Status:

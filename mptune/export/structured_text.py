@@ -12,7 +12,7 @@ from mptune.export.formats import Precision
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from mptune.export.controller import Controller
+    from mptune.export.controller import TargetController
 
 _TITLE = (
     "Outer loops and filters of a multi-pressure hydraulic cylinder, written by mptune. "
@@ -21,7 +21,7 @@ _TITLE = (
 _SECTIONS = ("outer_loops", "feedforward_lags", "filters")
 
 
-def structured_text(controller: Controller) -> str:
+def structured_text(controller: TargetController) -> str:
     """Return the function blocks and their constants; REAL where the precision is single."""
     blocks = resources.files("mptune.export").joinpath("st/outer_loops.st").read_text("utf-8")
     text = _comment(controller.heading(_TITLE)) + _constants(controller) + "\n" + blocks
@@ -30,7 +30,7 @@ def structured_text(controller: Controller) -> str:
     return text
 
 
-def _constants(controller: Controller) -> str:
+def _constants(controller: TargetController) -> str:
     numbers = controller.numbers
     lines = ["VAR_GLOBAL CONSTANT"]
     for section in _SECTIONS:

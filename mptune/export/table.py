@@ -8,22 +8,24 @@ from typing import TYPE_CHECKING, Any
 import tomlkit
 
 from mptune.export.controller import WARNING
+from mptune.params.format import CONTROLLER_FORMAT, FORMAT_KEY
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-    from mptune.export.controller import Controller
+    from mptune.export.controller import TargetController
 
 _TITLE = (
     "A controller in SI units, written by mptune. Do not edit: the margins hold for it as it is."
 )
 
 
-def as_toml(controller: Controller) -> str:
+def as_toml(controller: TargetController) -> str:
     """Return the controller as TOML: a table for each section, unit and meaning in comments."""
     document = tomlkit.document()
     for line in controller.heading(_TITLE):
         document.add(tomlkit.comment(line) if line else tomlkit.nl())
+    document.add(FORMAT_KEY, CONTROLLER_FORMAT)
     document.add("provenance", tomlkit.item(controller.provenance()))
     document.add("verdict", tomlkit.item(_verdict(controller)))
     for name, values in _sections(controller):
@@ -36,9 +38,9 @@ def as_toml(controller: Controller) -> str:
     return tomlkit.dumps(document)
 
 
-def as_json(controller: Controller) -> str:
+def as_json(controller: TargetController) -> str:
     """Return the controller as JSON: each number with value, unit and meaning."""
-    values: dict[str, Any] = {"title": _TITLE}
+    values: dict[str, Any] = {"title": _TITLE, FORMAT_KEY: CONTROLLER_FORMAT}
     if not controller.trusted:
         values["warning"] = " ".join(WARNING)
     values |= {"provenance": controller.provenance(), "verdict": _verdict(controller)}
@@ -50,7 +52,7 @@ def as_json(controller: Controller) -> str:
     return json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
 
 
-def _verdict(controller: Controller) -> dict[str, Any]:
+def _verdict(controller: TargetController) -> dict[str, Any]:
     """Return the verdicts; TOML has no word for what could not be found, so it is left out."""
     requirements = [
         {key: value for key, value in one.items() if value is not None}
@@ -66,7 +68,7 @@ def _verdict(controller: Controller) -> dict[str, Any]:
 
 
 def _sections(
-    controller: Controller,
+    controller: TargetController,
 ) -> Iterator[tuple[str, list[tuple[str, float, str, str]]]]:
     for section in (controller.gains, controller.feedforward):
         yield (

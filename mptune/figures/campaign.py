@@ -6,23 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.campaign.simulate import FIGURES
 from mptune.figures.style import LIMIT, NOMINAL, WORST, legend_below, new_figure, style
+from mptune.sim.merit import TABULATED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from mptune.campaign.result import CampaignResult
-
-_LABELS = {
-    "performance_index_ms": ("Performance index [ms]", "index"),
-    "energy_loss_j_per_mm": ("Energy loss [J/mm]", "loss"),
-    "force_error_integral_kn2s": ("Force error ∫ΔF² [kN² s]", "force error"),
-    "final_error_mm": ("Final error [mm]", "final error"),
-    "converter_peak_mm": ("Converter peak [mm]", "converter"),
-    "valve_switches": ("Valve switches per run [–]", "switches"),
-}
+    from mptune.sim.merit import Merit
 
 
 def campaign_figure(result: CampaignResult) -> Figure:
@@ -33,8 +25,8 @@ def campaign_figure(result: CampaignResult) -> Figure:
         heights = 4.4, 0.7 + 0.24 * len(varying)
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
         axes = upper.subplots(2, 3, sharey=True)
-        for one, name in zip(axes.ravel(), _LABELS, strict=True):
-            _distribution(one, result, name)
+        for one, shown in zip(axes.ravel(), TABULATED, strict=True):
+            _distribution(one, result, shown)
         for one in axes[:, 0]:
             one.set_ylabel("Share of runs [–]")
         axes[0, 0].set_title(f"{result.plan.runs} runs, {result.failures} failed", loc="left")
@@ -44,8 +36,8 @@ def campaign_figure(result: CampaignResult) -> Figure:
     return figure
 
 
-def _distribution(axes: Axes, result: CampaignResult, name: str) -> None:
-    values = result.column(name)
+def _distribution(axes: Axes, result: CampaignResult, shown: Merit) -> None:
+    values = result.column(shown.key)
     values = np.sort(values[np.isfinite(values)])
     shares = np.arange(1, len(values) + 1) / max(len(values), 1)
     axes.step(values, shares, where="post", label="share at or below", **NOMINAL)
@@ -54,19 +46,19 @@ def _distribution(axes: Axes, result: CampaignResult, name: str) -> None:
         axes.plot(values[-1:], shares[-1:], label="worst run", clip_on=False, **worst)
     limit = np.quantile(values, 0.95) if len(values) else np.nan
     axes.axvline(limit, label="95 % of runs", **{**LIMIT, "linewidth": 0.9})
-    axes.set(xlabel=_LABELS[name][0], ylim=(0, 1))
+    axes.set(xlabel=shown.axis, ylim=(0, 1))
 
 
 def _ranks(axes: Axes, result: CampaignResult) -> None:
     """Draw rank correlations as a map with its numbers written in."""
     names = result.plan.box.names
-    columns = [name for name in FIGURES if name in _LABELS]
-    table = np.array([list(result.correlations(name).values()) for name in columns]).T
+    columns = [list(result.correlations(one.key).values()) for one in TABULATED]
+    table = np.array(columns).T
     axes.imshow(np.abs(table), cmap="Greys", vmin=0, vmax=1.6, aspect="auto")
     for (row, column), value in np.ndenumerate(table):
         text = "–" if np.isnan(value) else f"{value:+.2f}"
         axes.text(column, row, text, ha="center", va="center", fontsize=7.5)
-    axes.set_xticks(range(len(columns)), [_LABELS[name][1] for name in columns])
+    axes.set_xticks(range(len(columns)), [one.short for one in TABULATED])
     axes.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     axes.grid(visible=False)
     axes.tick_params(length=0)

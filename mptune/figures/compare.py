@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from mptune.figures.moves import worst_per_mass
 from mptune.figures.style import (
     LIMIT,
     NOMINAL,
@@ -16,6 +15,7 @@ from mptune.figures.style import (
     style,
 )
 from mptune.robust.tables import EQUATIONS
+from mptune.sim.judge import worst_per_mass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence

@@ -12,8 +12,7 @@ from mptune.sim import closed_loop as loop
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
-    from mptune.arrays import FloatArray
-    from mptune.params.study import ResolvedStudy
+    from mptune.sim.record import RunRecord
     from mptune.verify.result import CaseResult
 
 _GREYS = ("0.0", "0.25", "0.4", "0.5")
@@ -21,20 +20,16 @@ _DRAWN = 2000  # points per curve
 _SINGLE_FROM, _CROSSFLOW_FROM = 6.5, 12.5  # borders between the kinds of valve states
 
 
-def machine_traces(study: ResolvedStudy, case: CaseResult) -> Figure:
+def machine_traces(case: CaseResult) -> Figure:
     """Draw position, error, velocity, pressures, force, its error, valve states and converters."""
-    trace = case.traces
-    every = max(len(trace) // _DRAWN, 1)
-    tick = study.study.controller.fast_sampling_period
-    time: FloatArray = tick * np.arange(0, len(trace), every, dtype=np.float64)
-    trace = trace[::every]
-    cylinder = study.study.cylinder
-    force = cylinder.area_a * trace[:, loop.CHAMBER_A] - cylinder.area_b * trace[:, loop.CHAMBER_B]
+    record = case.record
+    few = slice(None, None, max(len(case.traces) // _DRAWN, 1))
+    time, trace = record.time[few], case.traces[few]
     with style():
         figure = new_figure(9.3)
         axes = figure.subplots(9, 1, sharex=True)
-        _motion(axes[:3], time, trace)
-        _forces(axes[3:6], time, trace, force)
+        _motion(axes[:3], record, few)
+        _forces(axes[3:6], record, few)
         for one, column, side in ((axes[6], loop.STATE_A, "A"), (axes[7], loop.STATE_B, "B")):
             one.step(time, trace[:, column], where="post", **{**NOMINAL, "linewidth": 0.7})
             one.axhline(_SINGLE_FROM, **REFERENCE)
@@ -61,35 +56,33 @@ def _delays(case: CaseResult) -> str:
 
 
 def _motion(
-    axes: np.ndarray[tuple[int], np.dtype[np.object_]], time: FloatArray, trace: FloatArray
+    axes: np.ndarray[tuple[int], np.dtype[np.object_]], record: RunRecord, few: slice
 ) -> None:
     position, error, velocity = axes
-    position.plot(time, 1e3 * trace[:, loop.POSITION], label="machine", **NOMINAL)
-    position.plot(time, 1e3 * trace[:, loop.X_REF], label="reference", **REFERENCE)
+    time = record.time[few]
+    position.plot(time, 1e3 * record.position[few], label="machine", **NOMINAL)
+    position.plot(time, 1e3 * record.position_reference[few], label="reference", **REFERENCE)
     position.set_ylabel("Position\n[mm]")
-    error.plot(time, 1e3 * (trace[:, loop.X_REF] - trace[:, loop.POSITION]), **NOMINAL)
+    error.plot(time, 1e3 * record.error[few], **NOMINAL)
     error.set_ylabel("Error\n[mm]")
-    velocity.plot(time, 1e3 * trace[:, loop.VELOCITY], **NOMINAL)
-    velocity.plot(time, 1e3 * trace[:, loop.V_REF], **REFERENCE)
+    velocity.plot(time, 1e3 * record.velocity[few], **NOMINAL)
+    velocity.plot(time, 1e3 * record.velocity_reference[few], **REFERENCE)
     velocity.set_ylabel("Velocity\n[mm/s]")
 
 
 def _forces(
-    axes: np.ndarray[tuple[int], np.dtype[np.object_]],
-    time: FloatArray,
-    trace: FloatArray,
-    force: FloatArray,
+    axes: np.ndarray[tuple[int], np.dtype[np.object_]], record: RunRecord, few: slice
 ) -> None:
     pressure, drawn, error = axes
-    thin = {"linewidth": 0.9}
-    pressure.plot(
-        time, trace[:, loop.CHAMBER_A] / 1e6, label="A", **{**SECOND, **thin, "linestyle": "-"}
-    )
-    pressure.plot(time, trace[:, loop.CHAMBER_B] / 1e6, label="B", **{**WORST, **thin})
+    time, thin = record.time[few], {"linewidth": 0.9}
+    if record.pressures is not None:
+        looks = ({**SECOND, **thin, "linestyle": "-"}, {**WORST, **thin})
+        for chamber, label, look in zip(record.pressures.T, "AB", looks, strict=True):
+            pressure.plot(time, chamber[few] / 1e6, label=label, **look)
     pressure.set_ylabel("Pressure\n[MPa]")
-    drawn.plot(time, force / 1e3, **{**NOMINAL, **thin})
-    drawn.plot(time, trace[:, loop.F_REF] / 1e3, **REFERENCE)
+    drawn.plot(time, record.force[few] / 1e3, **{**NOMINAL, **thin})
+    drawn.plot(time, record.force_reference[few] / 1e3, **REFERENCE)
     drawn.set_ylabel("Force\n[kN]")
-    active = np.where(trace[:, loop.ACTIVE] > 0, trace[:, loop.F_REF] - force, np.nan)
+    active = np.where(record.active, record.force_error, np.nan)[few]
     error.plot(time, active / 1e3, **{**NOMINAL, **thin})
     error.set_ylabel("Force error\n[kN]")

@@ -6,6 +6,7 @@ from itertools import cycle
 from typing import TYPE_CHECKING
 
 from mptune.figures.style import NOMINAL, REFERENCE, SECOND, WORST, legend_below, new_figure, style
+from mptune.sim.judge import worst_per_mass
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,17 +42,3 @@ def move_traces(moves: Sequence[LinearMove]) -> Figure:
             low, high = one.get_ylim()
             one.set_ylim(max(low, -limit), min(high, limit))
     return figure
-
-
-def worst_per_mass(moves: Sequence[LinearMove]) -> list[LinearMove]:
-    """Return, for each mass, the unstable case or the one with the largest index."""
-    worst: dict[float, LinearMove] = {}
-    for case in moves:
-        known = worst.get(case.mass_kg)
-        if known is None or _badness(case) > _badness(known):
-            worst[case.mass_kg] = case
-    return list(worst.values())
-
-
-def _badness(case: LinearMove) -> float:
-    return case.performance_index_ms if case.stable else float("inf")

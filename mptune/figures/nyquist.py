@@ -10,6 +10,7 @@ from mptune.figures.style import EDGE, LIMIT, NOMINAL, WORST, legend_below, new_
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.params.pack import NO_PATH
 from mptune.robust.curves import loop_curves
+from mptune.robust.encirclements import encirclements
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -25,8 +26,12 @@ _WINDOW = (-3.2, 1.2, -3.0, 1.4)
 _TITLES = {VELOCITY: "Velocity loop", FORCE: "Loop at $F_{ref}$"}
 
 
-def nyquist_plots(result: SweepResult, counts: tuple[Encirclements, ...]) -> Figure:
-    """Draw both loops: nominal, worst, and the corners of the family; counts in the titles."""
+def nyquist_plots(result: SweepResult, counts: tuple[Encirclements, ...] = ()) -> Figure:
+    """Draw both loops: nominal, worst, and the corners of the family; counts in the titles.
+
+    The encirclements are counted where they are not given.
+    """
+    counts = counts or encirclements(result)
     with style():
         figure = new_figure(4.0)
         axes = figure.subplots(1, 2)

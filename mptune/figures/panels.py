@@ -117,10 +117,7 @@ def _draw_steps(axes: Axes, result: SweepResult, condition: Condition) -> None:
 
 
 def _steps(loops: FamilyLoops, name: str, time: FloatArray) -> FloatArray:
-    share_a = loops.plants.share_a[0]
-    if name == "velocity":
-        return velocity_step(loops.plants, share_a, loops.gains.k_p_vel, loops.path, time)
-    return position_step(loops.plants, share_a, loops.gains, loops.path, time)
+    return velocity_step(loops, time) if name == "velocity" else position_step(loops, time)
 
 
 def step_horizon(gains: LoopGains, plants: Plants) -> tuple[float, float]:

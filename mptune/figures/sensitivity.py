@@ -77,7 +77,7 @@ def load_response(result: SweepResult) -> Figure:
     model, gains = result.model, result.gains
     time = np.linspace(0, _LONGEST / max(gains.k_p_pos, 1e-3), 301)
     family, nominal = (
-        1e6 * load_step(one.plants, one.plants.share_a[0], one.gains, one.path, time)  # mm/kN
+        1e6 * load_step(one, time)  # mm/kN
         for one in (model.loops(gains), model.nominal_loop(gains))
     )
     worst = int(np.argmax(np.abs(family).max(axis=1)))

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mptune.figures.style import legend_below, new_figure, style
+from mptune.sim.merit import merit
+from mptune.weigh.trial import OBJECTIVES
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -17,10 +19,7 @@ if TYPE_CHECKING:
     from mptune.weigh.trial import Trial
 
 _LABELS = {
-    "energy_loss_j_per_mm": "Energy loss [J/mm]",
-    "performance_index_ms": "Performance index [ms]",
-    "force_error_integral_kn2s": "Force error ∫ΔF² [kN² s]",
-    "valve_switches": "Valve switches per set [–]",
+    **{key: merit(key).axis for key in OBJECTIVES},
     "weight_switching": "W_sw [N]",
     "weight_loss": "W_loss [N/J]",
     "weight_converter": "W_conv [N s/m⁶]",

@@ -17,6 +17,7 @@ if TYPE_CHECKING:
 
 _FORMULA = 3  # MDF4's conversion by an algebraic formula
 _DEEPEST = 8  # structures within structures
+_HEADING = "time [s],F_ref [kN],F [kN]"
 
 
 class Channel(NamedTuple):
@@ -56,7 +57,7 @@ def read_channels(path: Path) -> Channels:
 
 
 def _csv(path: Path) -> Channels:
-    table = read_table(path)
+    table = read_table(path, _HEADING)
     channels = {
         label: Channel(column, unit, None)
         for label, unit, column in zip(table.labels, table.units, table.columns, strict=True)

@@ -6,6 +6,9 @@ from dataclasses import dataclass
 from enum import StrEnum
 from typing import TYPE_CHECKING, Any, NamedTuple
 
+from mptune.strict import strict
+from mptune.summary import Summarised
+
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
 
@@ -29,8 +32,8 @@ class Interval(NamedTuple):
     high: float
 
 
-@dataclass(frozen=True)
-class Fit:
+@dataclass(frozen=True, repr=False)
+class Fit(Summarised):
     """G_F and dead time fitted to one response.
 
     Attributes
@@ -61,10 +64,16 @@ class Fit:
     weakest: str
     certainty: Certainty
 
+    @property
+    def headline(self) -> str:
+        """The response, the three values and how far they are determined."""
+        found = ", ".join(f"{name} {1e3 * getattr(self, name).value:.4g} ms" for name in NAMES)
+        return f"Fit of {self.name}: {found}; {self.certainty}"
+
     def json(self) -> dict[str, Any]:
         """Return the result in SI, units in the keys."""
         values: dict[str, Any] = {f"{name}_s": getattr(self, name)._asdict() for name in NAMES}
-        return {
+        said = {
             "name": self.name,
             **values,
             "points": self.points,
@@ -72,3 +81,4 @@ class Fit:
             "weakest": self.weakest,
             "certainty": self.certainty.value,
         }
+        return strict(said)

@@ -7,12 +7,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.interop import frequency_response
+from mptune.summary import Summarised
+
 if TYPE_CHECKING:
+    import pandas as pd
+    from control import FrequencyResponseData
+
     from mptune.arrays import BoolArray, ComplexArray, FloatArray
 
 
-@dataclass(frozen=True)
-class FrequencyResponse:
+@dataclass(frozen=True, repr=False)
+class FrequencyResponse(Summarised):
     """Force reference to force, point by point.
 
     Attributes
@@ -32,6 +38,32 @@ class FrequencyResponse:
     response: ComplexArray
     quality: FloatArray
     name: str
+
+    @property
+    def headline(self) -> str:
+        """Where it comes from, and how many points it has."""
+        return f"Frequency response of {self.name}: {int(self.valid.sum())} points"
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return magnitude, phase and quality over frequency [rad/s]."""
+        import pandas as pd
+
+        columns = {
+            "magnitude_db": self.decibels,
+            "phase_deg": self.degrees,
+            "quality": self.quality,
+        }
+        return pd.DataFrame(columns, pd.Index(self.omega, name="frequency_rad_s"))
+
+    def to_control(self) -> FrequencyResponseData:
+        """Return the valid points as python-control's object.
+
+        Raises
+        ------
+        InputError
+            If python-control is not installed.
+        """
+        return frequency_response(self.response[self.valid], self.omega[self.valid], self.name)
 
     @property
     def valid(self) -> BoolArray:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -12,25 +13,35 @@ from mptune.files import write_whole
 from mptune.identify.response import FrequencyResponse
 from mptune.params.measured import read_response_table
 
-if TYPE_CHECKING:
-    from pathlib import Path
 
-
-def read_response(path: Path) -> FrequencyResponse:
+def read_response(path: str | Path) -> FrequencyResponse:
     """Return the frequency response of a CSV file; ``mptune.params.measured`` has its rules.
+
+    Parameters
+    ----------
+    path
+        The file.
 
     Raises
     ------
     InputError
         If the file cannot be read or breaks a rule.
     """
+    path = Path(path)
     table = read_response_table(path)
-    omega, response, coherence = (frozen(column) for column in table)
-    return FrequencyResponse(omega, response, coherence, path.stem)
+    columns = frozen(table.omega), frozen(table.response), frozen(table.coherence)
+    return FrequencyResponse(*columns, path.stem)
 
 
-def write_response(path: Path, response: FrequencyResponse) -> Path:
+def write_response(path: str | Path, response: FrequencyResponse) -> Path:
     """Write the valid points of a response as CSV, so that a study's ``measured`` can name it.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    response
+        The response.
 
     Raises
     ------
@@ -48,8 +59,13 @@ def write_response(path: Path, response: FrequencyResponse) -> Path:
 def from_frd(frd: Any, name: str = "FRD") -> FrequencyResponse:
     """Return the response of python-control's FRD, or of anything that looks like one.
 
-    It needs ``omega`` (or ``frequency``) [rad/s] and ``complex`` (or ``frdata``, ``fresp``,
-    ``response``): one output, one input.
+    Parameters
+    ----------
+    frd
+        It has ``omega`` (or ``frequency``) [rad/s] and ``complex`` (or ``frdata``, ``fresp``,
+        ``response``): one output, one input.
+    name
+        Where it comes from, in words.
 
     Raises
     ------

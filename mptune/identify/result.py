@@ -4,13 +4,20 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import IntEnum
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar, NamedTuple
 
 import numpy as np
 
 from mptune.identify.response import FrequencyResponse
+from mptune.interop import Drawn, Labelled
+from mptune.strict import strict
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import pandas as pd
+
     from mptune.arrays import ComplexArray, FloatArray, IntArray
     from mptune.identify.excitation import Excitation
     from mptune.params.study import ResolvedStudy
@@ -68,8 +75,8 @@ class Agreement:
         return self.within >= _MOST
 
 
-@dataclass(frozen=True)
-class Panel:
+@dataclass(frozen=True, repr=False)
+class Panel(Summarised, Drawn):
     """One panel of Fig. 3: all operating points at one position, bulk modulus and valve delay.
 
     Attributes
@@ -94,6 +101,8 @@ class Panel:
         ``(F,)`` G_F e^{−s(T_S/2 + d)}.
     """
 
+    drawings: ClassVar[Mapping[str, str]] = {"bode": "mptune.figures.identification:bode_panels"}
+
     position_m: float
     oil_bulk_modulus_pa: float
     valve_delay_s: float
@@ -107,6 +116,15 @@ class Panel:
     quality: FloatArray
     status: IntArray
     theory: ComplexArray
+
+    @property
+    def headline(self) -> str:
+        """The panel, and whether it agrees with theory."""
+        verdict = "agrees" if self.satisfied else "does not agree"
+        return f"{self.name}: {verdict} with Eq. 11, {self.failed} of {self.status.size} not valid"
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        return ((self,),)
 
     @property
     def name(self) -> str:
@@ -180,7 +198,7 @@ class Panel:
         for name, deviation in (("db", self.decibels), ("deg", self.degrees)):
             for key, share in (("least", 0), ("median", 50), ("largest", 100)):
                 values[f"deviation_{key}_{name}"] = over_points(deviation, share).tolist()
-        return values
+        return strict(values)
 
 
 def _agreement_json(agreement: Agreement | None) -> dict[str, Any] | None:
@@ -214,13 +232,30 @@ def largest(values: FloatArray) -> float:
     return float(fitted[np.argmax(np.abs(fitted))])
 
 
-@dataclass(frozen=True)
-class IdentifyResult:
+@dataclass(frozen=True, repr=False)
+class IdentifyResult(Summarised, Drawn, Labelled):
     """All panels of one identification."""
+
+    drawings: ClassVar[Mapping[str, str]] = {"bode": "mptune.figures.identification:bode_panels"}
+    dataset: ClassVar[str] = "mptune.identify.store:to_dataset"
 
     study: ResolvedStudy
     excitation: Excitation
     panels: tuple[Panel, ...]
+
+    @property
+    def headline(self) -> str:
+        """Study, excitation and verdict."""
+        verdict = "agrees" if self.satisfied else "does not agree"
+        return f"Identification of {self.study.name}, {self.excitation}: {verdict} with Eq. 11"
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        return (self.panels,)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return one row per panel, operating point and frequency, columns as ``to_xarray``."""
+        frame: pd.DataFrame = self.to_xarray().to_dataframe()
+        return frame
 
     @property
     def satisfied(self) -> bool:

@@ -6,7 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.files import write_whole_with
+from mptune.datasets import read_dataset, write_dataset
+from mptune.errors import InputError
 from mptune.identify.result import FitStatus, Panel
 from mptune.params.gains import version
 
@@ -71,7 +72,7 @@ def to_dataset(result: IdentifyResult) -> xr.Dataset:
     return xr.Dataset(data, coordinates, attributes)
 
 
-def write_identification(path: Path, result: IdentifyResult) -> Path:
+def write_identification(path: str | Path, result: IdentifyResult) -> Path:
     """Write an identification as NetCDF, whole or not at all.
 
     Raises
@@ -79,17 +80,14 @@ def write_identification(path: Path, result: IdentifyResult) -> Path:
     OutputError
         If the file cannot be written.
     """
-    dataset = to_dataset(result)
-    return write_whole_with(path, lambda beside: dataset.to_netcdf(beside, engine="h5netcdf"))
+    return write_dataset(path, to_dataset(result))
 
 
-def read_panels(path: Path, study_hash: str) -> tuple[Panel, ...]:
+def read_panels(path: str | Path, study_hash: str) -> tuple[Panel, ...]:
     """Return the panels of a stored identification of one model; none where there is no such."""
-    import xarray as xr
-
     try:
-        dataset = xr.load_dataset(path, engine="h5netcdf")
-    except (OSError, ValueError):
+        dataset = read_dataset(path)
+    except InputError:
         return ()
     if dataset.attrs.get("study_hash") != study_hash:
         return ()

@@ -9,6 +9,7 @@ is given.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -19,8 +20,6 @@ from mptune.identify.channels import read_channels
 from mptune.units import UnitError, label_and_unit, parse_quantity
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from mptune.arrays import FloatArray
     from mptune.identify.channels import Channel, Channels
 
@@ -61,7 +60,7 @@ class Asked(NamedTuple):
     sample_time: str = ""
 
 
-def read_record(path: Path, asked: Asked) -> Record:
+def read_record(path: str | Path, asked: Asked) -> Record:
     """Return the record of a file.
 
     Raises
@@ -70,6 +69,7 @@ def read_record(path: Path, asked: Asked) -> Record:
         If the file cannot be read, a channel is missing or has no unit or a wrong one, or the
         samples are not equally spaced.
     """
+    path = Path(path)
     channels = read_channels(path)
     reference, force = (_channel(path, channels, text) for text in (asked.reference, asked.force))
     if len(reference.values) != len(force.values):

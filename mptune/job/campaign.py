@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mptune.campaign.adversary import SEARCH_NOISE, find_worst
@@ -15,8 +16,6 @@ from mptune.params.gains import accepted_gains
 from mptune.progress import silent
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from mptune.campaign.adversary import WorstMachine
     from mptune.campaign.plan import Plan
     from mptune.campaign.result import CampaignResult
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from mptune.verify.result import CaseResult
 
 
-def planned(study: ResolvedStudy, gains: Path | None, *, force: bool = False) -> Plan:
+def planned(study: ResolvedStudy, gains: str | Path | None, *, force: bool = False) -> Plan:
     """Return a study's campaign with a gains file; with the study's own gains where None.
 
     Raises
@@ -40,7 +39,7 @@ def planned(study: ResolvedStudy, gains: Path | None, *, force: bool = False) ->
 
 def campaign_study(
     plan: Plan,
-    out: Path,
+    out: str | Path,
     progress: Progress = silent,
     *,
     count: int | None = None,
@@ -57,14 +56,16 @@ def campaign_study(
     from mptune.figures.campaign import campaign_figure
     from mptune.figures.style import to_svg
 
-    folder = make_folder(out / plan.study.name)
+    folder = make_folder(Path(out) / plan.study.name)
     with workers(count, scheduler) as team:
         result = run_campaign(plan, folder, team, progress, resume=resume)
     svg = write_whole(folder / "campaign.svg", to_svg(campaign_figure(result)))
     return result, (folder / "campaign.nc", svg)
 
 
-def replay_run(plan: Plan, number: int, out: Path) -> tuple[CaseResult, str, tuple[Path, ...]]:
+def replay_run(
+    plan: Plan, number: int, out: str | Path
+) -> tuple[CaseResult, str, tuple[Path, ...]]:
     """Make one run of a campaign again, exactly; return it, why it fails, and its drawing.
 
     Raises
@@ -83,7 +84,7 @@ def replay_run(plan: Plan, number: int, out: Path) -> tuple[CaseResult, str, tup
 def worst_machine(
     plan: Plan,
     figure: str,
-    out: Path,
+    out: str | Path,
     progress: Progress = silent,
     *,
     count: int | None = None,
@@ -100,9 +101,9 @@ def _shared(plan: Plan) -> Controlled:
     return Controlled(plan.study, plan.gains, plan.feedforward)
 
 
-def _drawn(plan: Plan, case: CaseResult, out: Path, name: str) -> Path:
+def _drawn(plan: Plan, case: CaseResult, out: str | Path, name: str) -> Path:
     from mptune.figures.machine import machine_traces
     from mptune.figures.style import to_svg
 
-    folder = make_folder(out / plan.study.name)
-    return write_whole(folder / f"{name}.svg", to_svg(machine_traces(plan.study, case)))
+    folder = make_folder(Path(out) / plan.study.name)
+    return write_whole(folder / f"{name}.svg", to_svg(machine_traces(case)))

@@ -8,6 +8,7 @@ its own gains on its own model, and each gains file for the named study whose mo
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
@@ -20,13 +21,14 @@ from mptune.sim.sampled import linear_moves
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     from mptune.params.controller import Feedforward
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
+
+_REMEDY = "check the path: `mptune tune STUDY` writes gains, `mptune new NAME` starts a study"
 
 
 @dataclass(frozen=True)
@@ -57,8 +59,7 @@ class Compared:
         """The largest linear index by mass [kg]; infinite where a case is not stable."""
         found: dict[float, float] = {}
         for case in self.moves:
-            index = case.performance_index_ms if case.stable else float("inf")
-            found[case.mass_kg] = max(found.get(case.mass_kg, 0.0), index)
+            found[case.mass_kg] = max(found.get(case.mass_kg, 0.0), case.badness)
         return found
 
     def json(self) -> dict[str, Any]:
@@ -84,9 +85,9 @@ class _Entry:
 
 
 def compare(
-    sources: Sequence[Path],
-    study: Path | None,
-    out: Path,
+    sources: Sequence[str | Path],
+    study: str | Path | None,
+    out: str | Path,
     progress: Progress = silent,
     *,
     overrides: Sequence[str] = (),
@@ -116,7 +117,7 @@ def compare(
     if len(sources) < 2:
         remedy = "name two or more gains files or studies"
         raise InputError("command line", Fault("", "", "has nothing to compare with", remedy))
-    entries = _entries(sources, study, overrides, uncertainty)
+    entries = _entries([Path(source) for source in sources], study, overrides, uncertainty)
     folder = make_folder(out)
     labels = _labels(entries)
     found = []
@@ -130,11 +131,14 @@ def compare(
 
 
 def _entries(
-    sources: Sequence[Path], study: Path | None, overrides: Sequence[str], uncertainty: str
+    sources: Sequence[Path],
+    study: str | Path | None,
+    overrides: Sequence[str],
+    uncertainty: str,
 ) -> list[_Entry]:
     """Return what each source stands for; studies first, as gains files may need them."""
     frame = load_study(study, overrides, uncertainty) if study else None
-    texts = {path: parse_toml(path, read_text(path)) for path in sources}
+    texts = {path: parse_toml(path, read_text(path, _REMEDY)) for path in sources}
     files = {path: read_gains(path) for path, values in texts.items() if "study_hash" in values}
     studies = {
         path: load_study(path, overrides, uncertainty) for path in sources if path not in files

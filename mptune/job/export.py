@@ -10,8 +10,8 @@ from mptune.errors import Fault, InputError
 from mptune.export.as_written import rounded_section, written_gains
 from mptune.export.c_source import c_sources
 from mptune.export.constants import controller_numbers
-from mptune.export.controller import Controller
-from mptune.export.formats import Format, Precision
+from mptune.export.controller import TargetController
+from mptune.export.formats import Precision, Target
 from mptune.export.margins import written_margins
 from mptune.export.table import as_json, as_toml
 from mptune.files import make_folder, write_whole
@@ -39,7 +39,7 @@ class ExportResult:
         What was written; nothing where writing breaks a requirement that held before.
     """
 
-    controller: Controller
+    controller: TargetController
     files: tuple[Path, ...]
 
     @property
@@ -55,7 +55,7 @@ class ExportResult:
             "margins": one.verdict,
             "closed_loop": one.source.closed_loop,
             "requirements": one.verdicts(),
-            "broken_by_writing": [check.name for check in one.margins.broken],
+            "broken_by_writing": [check.label for check in one.margins.broken],
             "gains": one.gains.model_dump(),
             "gains_swept": one.margins.written.gains.model_dump(),
             "feedforward": one.feedforward.model_dump(),
@@ -65,11 +65,11 @@ class ExportResult:
 
 
 def export(
-    gains: Path,
-    to: Format,
-    out: Path,
+    gains: str | Path,
+    to: Target,
+    out: str | Path,
     *,
-    study: Path | None = None,
+    study: str | Path | None = None,
     overrides: Sequence[str] = (),
     precision: Precision = Precision.DOUBLE,
     digits: int | None = None,
@@ -121,11 +121,11 @@ def export(
         )
         raise InputError(gains, fault)
     progress(to, 0.0)
-    folder = make_folder(out / loaded.name)
+    folder = make_folder(Path(out) / loaded.name)
     return ExportResult(controller, _write(controller, to, folder))
 
 
-def find_study(gains: Path, name: str) -> Path:
+def find_study(gains: str | Path, name: str) -> Path:
     """Return the study file of a gains file: beside it, or under ``studies`` here or above.
 
     Raises
@@ -133,7 +133,7 @@ def find_study(gains: Path, name: str) -> Path:
     InputError
         If there is none.
     """
-    beside = gains.resolve().parent
+    beside = Path(gains).resolve().parent
     places = [beside / "study.toml"]
     for start in (beside, Path.cwd()):
         places += [folder / "studies" / name / "study.toml" for folder in (start, *start.parents)]
@@ -151,28 +151,28 @@ def find_study(gains: Path, name: str) -> Path:
 
 def prepare(
     study: ResolvedStudy, source: GainsFile, precision: Precision, digits: int | None = None
-) -> Controller:
+) -> TargetController:
     """Return the controller as it will be written, its margins computed for those very numbers."""
     gains = rounded_section(source.gains, digits)
     feedforward = rounded_section(source.feedforward, digits)
     numbers = controller_numbers(study, gains, feedforward, precision)
     margins = written_margins(study, source.gains, written_gains(numbers, gains))
-    return Controller(study, source, gains, feedforward, numbers, margins, now())
+    return TargetController(study, source, gains, feedforward, numbers, margins, now())
 
 
-def _write(controller: Controller, to: Format, folder: Path) -> tuple[Path, ...]:
-    if to is Format.FMU:
+def _write(controller: TargetController, to: Target, folder: Path) -> tuple[Path, ...]:
+    if to is Target.FMU:
         from mptune.export.fmu import write_units
 
         return write_units(controller, folder)
-    if to is Format.C:
+    if to is Target.C:
         place = make_folder(folder / "c")
         return tuple(
             write_whole(place / name, text) for name, text in c_sources(controller).items()
         )
-    if to is Format.ST:
+    if to is Target.ST:
         from mptune.export.structured_text import structured_text
 
         return (write_whole(folder / "controller.st", structured_text(controller)),)
-    text = as_toml(controller) if to is Format.TOML else as_json(controller)
+    text = as_toml(controller) if to is Target.TOML else as_json(controller)
     return (write_whole(folder / f"controller.{to}", text),)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mptune.files import make_folder, write_whole
@@ -10,8 +11,6 @@ from mptune.identify.store import write_identification
 from mptune.progress import silent
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from mptune.identify.excitation import Excitation
     from mptune.identify.result import IdentifyResult
     from mptune.params.study import ResolvedStudy
@@ -21,7 +20,7 @@ if TYPE_CHECKING:
 def identify_study(
     study: ResolvedStudy,
     excitation: Excitation,
-    out: Path,
+    out: str | Path,
     progress: Progress = silent,
 ) -> tuple[IdentifyResult, tuple[Path, ...]]:
     """Simulate the force loop's frequency response, store it, and draw Fig. 3.
@@ -32,7 +31,7 @@ def identify_study(
     from mptune.figures.style import to_svg
 
     check(study)
-    folder = make_folder(out / study.name)
+    folder = make_folder(Path(out) / study.name)
     progress("identify", 0.0)
     result = identify(study, excitation, progress)
     progress("figures", 0.0)

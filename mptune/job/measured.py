@@ -10,6 +10,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -25,8 +26,6 @@ from mptune.identify.timeseries import read_record
 from mptune.progress import silent
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from mptune.arrays import FloatArray
     from mptune.identify.fitted import Fit
     from mptune.identify.response import FrequencyResponse
@@ -94,7 +93,7 @@ class MeasuredResult:
 def identify_data(
     study: ResolvedStudy,
     reading: Reading,
-    out: Path,
+    out: str | Path,
     progress: Progress = silent,
 ) -> tuple[MeasuredResult, tuple[Path, ...]]:
     """Read measured data, fit Eq. 11 and a dead time, and write responses and ranges.
@@ -113,7 +112,7 @@ def identify_data(
     if len(set(names)) < len(names):
         fault = Fault("", "", "holds two files of one name", "name the files differently")
         raise InputError("--data", fault)
-    folder = make_folder(out / study.name / "measured")
+    folder = make_folder(Path(out) / study.name / "measured")
     share_a = study.study.cylinder.share_a
     responses, fits = [], []
     for number, path in enumerate(reading.files):

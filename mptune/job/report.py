@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mptune.job.leftovers import leftovers
@@ -13,13 +14,14 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
     from pathlib import Path
 
-    from mptune.job.run import JobResult
+    from mptune.job.result import JobResult
     from mptune.robust.encirclements import Encirclements
 
 
 def draw(result: JobResult, counts: tuple[Encirclements, ...]) -> tuple[dict[str, bytes], bytes]:
     """Return the figures of a run as SVG, by name, and the four panels as PNG."""
     from mptune.figures.bode import bode_plots
+    from mptune.figures.certificates import certified_worst_cases
     from mptune.figures.chain import gain_chain
     from mptune.figures.machine import machine_traces
     from mptune.figures.moves import move_traces
@@ -39,8 +41,10 @@ def draw(result: JobResult, counts: tuple[Encirclements, ...]) -> tuple[dict[str
         "chain": to_svg(gain_chain(result.chain)),
         "moves": to_svg(move_traces(result.moves)),
     }
+    if swept.certificates is not None:
+        figures["certificates"] = to_svg(certified_worst_cases(swept))
     for case in result.verified.worst_per_mass() if result.verified else ():
-        figures[machine_figure(case.mass_kg)] = to_svg(machine_traces(swept.study, case))
+        figures[machine_figure(case.mass_kg)] = to_svg(machine_traces(case))
     return figures, to_png(panels)
 
 
@@ -57,26 +61,28 @@ def report(
     OutputError
         If a file cannot be written.
     """
-    from mptune.report.content import document
-    from mptune.report.pdf import write_pdf
-    from mptune.report.web import write_html
+    from mptune.report.document import write_report
 
     results = results_of(out, result, counts)
     drawn = {**figures, **(results.leftovers.figures or {})}
-    words = document(results, drawn)
-    name = result.study.name
-    return (
-        write_pdf(out / f"{name}.pdf", words, drawn),
-        write_html(out / f"{name}.html", words, drawn),
-    )
+    return write_report(out / result.study.name, results, drawn)
 
 
 def results_of(out: Path, result: JobResult, counts: tuple[Encirclements, ...]) -> Results:
     """Return what the report of a run shows."""
-    swept = result.tuned.sweep
+    return replace(
+        found_by(result),
+        encirclements=counts,
+        influences=one_at_a_time(result.tuned.sweep),
+        leftovers=leftovers(out / result.study.name, result.study),
+    )
+
+
+def found_by(result: JobResult) -> Results:
+    """Return what a run has found itself, for the report and the terminal."""
     return Results(
         study=result.study,
-        sweep=swept,
+        sweep=result.tuned.sweep,
         published=result.published,
         feedforward=result.tuned.feedforward,
         tuned=result.tuned,
@@ -84,8 +90,5 @@ def results_of(out: Path, result: JobResult, counts: tuple[Encirclements, ...]) 
         moves_before=result.moves_before,
         verified=result.verified,
         chain=result.chain,
-        encirclements=counts,
-        influences=one_at_a_time(swept),
-        leftovers=leftovers(out / result.study.name, result.study),
         satisfied=result.satisfied,
     )

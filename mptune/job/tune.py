@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
@@ -18,8 +19,6 @@ from mptune.tune.space import STRUCTURES
 from mptune.tune.tuner import tune
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
     from mptune.tune.result import TuneResult
@@ -46,7 +45,7 @@ class Tuning:
 
 def tune_study(
     study: ResolvedStudy,
-    out: Path,
+    out: str | Path,
     progress: Progress = silent,
     *,
     structure: str = "eq22",
@@ -76,7 +75,7 @@ def tune_study(
     if structure not in STRUCTURES:
         remedy = f"choose one of {', '.join(STRUCTURES)}"
         raise InputError("command line", Fault("--structure", structure, "is not known", remedy))
-    folder = make_folder(out / study.name)
+    folder = make_folder(Path(out) / study.name)
     progress("tune", 0.0)
     tuned = tune(study, progress, structure=structure)
     moves = linear_moves(study, tuned.gains, tuned.feedforward)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mptune.files import make_folder, write_whole
@@ -12,8 +13,6 @@ from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
 
 if TYPE_CHECKING:
-    from pathlib import Path
-
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
     from mptune.verify.result import VerifyResult
@@ -21,8 +20,8 @@ if TYPE_CHECKING:
 
 def verify_study(
     study: ResolvedStudy,
-    gains: Path | None,
-    out: Path,
+    gains: str | Path | None,
+    out: str | Path,
     progress: Progress = silent,
     *,
     force: bool = False,
@@ -38,7 +37,7 @@ def verify_study(
     from mptune.figures.style import to_svg
 
     file = accepted_gains(gains, study.hash(), force=force) if gains else None
-    folder = make_folder(out / study.name)
+    folder = make_folder(Path(out) / study.name)
     progress("verify", 0.0)
     verified = verify(
         study,
@@ -49,6 +48,6 @@ def verify_study(
     progress("figures", 0.0)
     files = [write_traces(folder / "traces.nc", verified)]
     for case in verified.worst_per_mass():
-        svg = to_svg(machine_traces(study, case))
+        svg = to_svg(machine_traces(case))
         files.append(write_whole(folder / f"{machine_figure(case.mass_kg)}.svg", svg))
     return verified, tuple(files)

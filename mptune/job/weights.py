@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import tomlkit
@@ -16,7 +17,6 @@ from mptune.weigh.weigh import search_weights
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-    from pathlib import Path
 
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
 def weights_study(
     study: ResolvedStudy,
-    out: Path,
+    out: str | Path,
     progress: Progress = silent,
     *,
     storage: str = "",
@@ -47,7 +47,7 @@ def weights_study(
     from mptune.figures.style import to_svg
     from mptune.figures.weights import weights_figure
 
-    folder = make_folder(out / study.name)
+    folder = make_folder(Path(out) / study.name)
     with workers(count, scheduler) as team:
         result = search_weights(
             study,

@@ -23,6 +23,7 @@ from mptune.loops.velocity import plant_at
 from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.plant.bulk import effective_bulk_modulus
 from mptune.signals.conditioning import filter_response
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from mptune.params.section import Range
@@ -64,17 +65,42 @@ def derived_time_constants(study: ResolvedStudy) -> tuple[Range, Range]:
     return (float(tau_a.min()), float(tau_a.max())), (float(tau_b.min()), float(tau_b.max()))
 
 
-def plants_of(study: ResolvedStudy) -> Plants:
-    """Return the grid mass × delay × τ_A × τ_B of the study's uncertainty set, ``(N,)`` each."""
+def ranges_of(study: ResolvedStudy) -> tuple[Range, Range, Range, Range]:
+    """Return the ranges of mass [kg], total delay, τ_A and τ_B [s] of the study's uncertainty set.
+
+    Time constants that the study leaves to be derived are ``derived_time_constants``.
+    """
     box: UncertaintySet = study.uncertainty
     derived_a, derived_b = derived_time_constants(study)
     tau_a = derived_a if isinstance(box.tau_a, str) else box.tau_a
     tau_b = derived_b if isinstance(box.tau_b, str) else box.tau_b
-    axes = [np.linspace(*pair, box.points) for pair in (box.mass, box.delay, tau_a, tau_b)]
+    return box.mass, box.delay, tau_a, tau_b
+
+
+def plants_of(study: ResolvedStudy) -> Plants:
+    """Return the grid mass × delay × τ_A × τ_B of the study's uncertainty set, ``(N,)`` each."""
+    mass, delay, *lags = ranges_of(study)
+    points = study.uncertainty.points
+    crossover = study.study.gains.k_p_vel / study.uncertainty.nominal_mass
+    axes = [np.linspace(*mass, points), np.linspace(*delay, points)]
+    axes += [_lags(pair, points, crossover) for pair in lags]
     axes = [np.unique(axis) for axis in axes]  # a range without width is one point
     mesh = [np.ascontiguousarray(axis.ravel()) for axis in np.meshgrid(*axes, indexing="ij")]
     share_a = np.full(len(mesh[0]), study.study.cylinder.share_a)
     return Plants(*(*mesh, share_a))
+
+
+def _lags(pair: Range, points: int, crossover: float) -> FloatArray:
+    """Return time constants [s] between which G_F changes by about equal steps.
+
+    At the crossover [rad/s] the phase of 1/(jωτ + 1) is −atan ωτ. Where ωτ stays below 1 that is
+    nearly linear, and the range is divided equally, as in Fig. 5.
+    """
+    if crossover * pair[1] <= 1:
+        return np.linspace(*pair, points)
+    low, high = (float(np.arctan(crossover * end)) for end in pair)
+    angles = np.linspace(low, high, points)
+    return np.concatenate([pair[:1], np.tan(angles[1:-1]) / crossover, pair[1:]])
 
 
 def nominal_plants(nominal: NominalPlant) -> Plants:
@@ -83,8 +109,8 @@ def nominal_plants(nominal: NominalPlant) -> Plants:
     return Plants(np.array([nominal.mass]), np.array([nominal.delay]), zero, zero, zero + 0.5)
 
 
-@dataclass(frozen=True)
-class FamilyLoops:
+@dataclass(frozen=True, repr=False)
+class FamilyLoops(Summarised):
     """The loops of a family under one set of gains, broken at one place for the pole count.
 
     Attributes
@@ -101,6 +127,11 @@ class FamilyLoops:
     gains: LoopGains
     path: MeasurementPath
     which: int = FORCE
+
+    @property
+    def headline(self) -> str:
+        """How many loops there are."""
+        return f"Loops of {self.plants.number} plants"
 
     def __post_init__(self) -> None:
         """Refuse the position loop, whose inner loop may hold unstable poles of its own."""

@@ -26,7 +26,7 @@ import numpy as np
 from mptune.arrays import BoolArray, Complex, ComplexArray, FloatArray, kernel, parallel_kernel
 from mptune.loops.velocity import plant_at
 from mptune.signals.differentiator import TAPS
-from mptune.signals.tustin import discretise
+from mptune.signals.tustin import discrete_response, discretise
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
@@ -151,10 +151,7 @@ def measured_parts(s: Complex, plant: SampledPlant, period: float) -> tuple[Comp
 @kernel
 def sampled_controller(s: Complex, gains: LoopGains, period: float) -> Complex:
     """Return Eq. 22 under Tustin at T_S, position error to velocity reference [1/s]."""
-    w = np.exp(-s * period)
-    law = discretise(gains, period)
-    shaped = (law.b0 + w * (law.b1 + w * law.b2)) / (1 + w * (law.a1 + w * law.a2))
-    return shaped + law.integral * (1 + w) / (1 - w)
+    return discrete_response(discretise(gains, period), np.exp(-s * period))
 
 
 @kernel

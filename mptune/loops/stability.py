@@ -30,6 +30,7 @@ from mptune.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
 
 _BASE_POINTS = 97  # per loop, before splitting
 _SMALLEST = 1e-12  # step over frequency below which splitting is given up
+_MOST_STEPS = 4096  # of one loop under way at once: then its splitting is given up too
 _CERTAIN = 0.9  # share of the distance to the critical point that a step may use up
 _CIRCLE: ComplexArray = np.exp(2j * np.pi * np.arange(64) / 64)
 
@@ -106,11 +107,36 @@ def count_unstable_poles(loop: DeadTimeLoop, open_loop_poles: int = 0) -> PoleCo
     start, indentation, decided = _indentation(loop, every)
     turned, reached = _angle_along_axis(loop, start)
     end = _return_difference(loop, np.maximum(loop.tail, 2 * start), every)
-    angle = indentation + turned - np.angle(end)
-    poles = open_loop_poles - angle / np.pi  # twice the half contour, over 2π
+    return poles_of_turns(indentation + turned, end, decided & reached, open_loop_poles)
+
+
+def poles_of_turns(
+    turned: FloatArray,
+    end: ComplexArray,
+    decided: BoolArray,
+    open_loop_poles: int = 0,
+    within: float = 1e-3,
+) -> PoleCount:
+    """Return the pole counts that 1 + L means by its turns about the origin.
+
+    Parameters
+    ----------
+    turned
+        ``(N,)`` change of angle [rad] from the positive real axis' side of the indentation up along
+        the imaginary axis: half the contour.
+    end
+        ``(N,)`` the last 1 + L, from where it goes to 1 without another turn.
+    decided
+        ``(N,)`` whether that angle is certain.
+    open_loop_poles
+        Number of open-loop poles in the right half plane.
+    within
+        How far from a whole number the count may be before it is undecided.
+    """
+    poles = open_loop_poles - (turned - np.angle(end)) / np.pi  # twice the half contour, over 2π
     whole = np.rint(poles)
-    decided &= reached & (np.abs(poles - whole) < 1e-3) & (whole >= 0)
-    return PoleCount(frozen(whole.astype(np.int64)), frozen(decided))
+    certain = decided & (np.abs(poles - whole) < within) & (whole >= 0)
+    return PoleCount(frozen(whole.astype(np.int64)), frozen(certain))
 
 
 def _indentation(loop: DeadTimeLoop, every: IntArray) -> tuple[FloatArray, FloatArray, BoolArray]:
@@ -161,7 +187,9 @@ def _angle_along_axis(loop: DeadTimeLoop, start: FloatArray) -> tuple[FloatArray
         certain = loop.bound(low, rows) * growth < _CERTAIN * np.abs(at_low)
         change = np.angle(at_high[certain] / at_low[certain])
         angle += np.bincount(rows[certain], change, minlength=count)
-        hopeless = ~certain & (high - low <= _SMALLEST * high)
+        hopeless = ~certain & ~(high - low > _SMALLEST * high)
+        crowded = np.bincount(rows[~certain], minlength=count) > _MOST_STEPS
+        reached[crowded | (~np.isfinite(tail))] = False
         reached[rows[hopeless]] = False
         left = ~certain & reached[rows]
         rows, low, high = rows[left], low[left], high[left]

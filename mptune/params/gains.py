@@ -10,7 +10,8 @@ import datetime as dt
 import hashlib
 import importlib.metadata
 import json
-from typing import TYPE_CHECKING, Any, Literal
+from pathlib import Path
+from typing import Any, Literal
 
 import tomlkit
 from pydantic import Field, ValidationError
@@ -18,11 +19,13 @@ from pydantic import Field, ValidationError
 from mptune.errors import Fault, InputError
 from mptune.files import read_text, write_whole
 from mptune.params.controller import Feedforward, Gains
+from mptune.params.format import FORMAT_KEY, GAINS_FORMAT
 from mptune.params.load import faults_of, parse_toml
 from mptune.params.section import Section
+from mptune.summary import Summarised
 
-if TYPE_CHECKING:
-    from pathlib import Path
+_MISSING_FILE = "check the path, or let `mptune tune STUDY` write it"
+_MISSING_KEY = "tune or export it again"  # nobody writes a gains file by hand
 
 Verdict = Literal["satisfied", "violated", "not run"]
 
@@ -32,7 +35,7 @@ def version() -> str:
     return importlib.metadata.version("mptune")
 
 
-class GainsFile(Section):
+class GainsFile(Summarised, Section):
     """What a gains file says."""
 
     study: str = Field(description="name of the study")
@@ -46,10 +49,19 @@ class GainsFile(Section):
     feedforward: Feedforward
     figures: dict[str, dict[str, Any]]
 
+    @property
+    def headline(self) -> str:
+        """Study and verdicts."""
+        return f"Gains of {self.study}: margins {self.margins}, closed loop {self.closed_loop}"
+
     def content_hash(self) -> str:
         """Return the hash of all that the file says; it stands in the file as well."""
-        values = json.dumps(self.model_dump(), sort_keys=True)
-        return hashlib.sha256(values.encode()).hexdigest()
+        return _hash(self.model_dump())
+
+
+def _hash(values: dict[str, Any]) -> str:
+    text = json.dumps(values, sort_keys=True, default=str)  # a file may hold a date as well
+    return hashlib.sha256(text.encode()).hexdigest()
 
 
 def now() -> str:
@@ -57,8 +69,15 @@ def now() -> str:
     return dt.datetime.now(dt.UTC).strftime("%Y-%m-%dT%H:%M:%SZ")
 
 
-def write_gains(path: Path, gains: GainsFile) -> Path:
+def write_gains(path: str | Path, gains: GainsFile) -> Path:
     """Write a gains file, whole or not at all.
+
+    Parameters
+    ----------
+    path
+        The file to write.
+    gains
+        What it is to say.
 
     Raises
     ------
@@ -68,6 +87,7 @@ def write_gains(path: Path, gains: GainsFile) -> Path:
     document = tomlkit.document()
     document.add(tomlkit.comment("Gains in SI units, written by mptune. Do not edit: the margins"))
     document.add(tomlkit.comment("below hold for exactly these numbers."))
+    document.add(FORMAT_KEY, GAINS_FORMAT.newest)
     values = gains.model_dump() | {"content_hash": gains.content_hash()}
     for key, value in values.items():
         if not isinstance(value, dict):
@@ -84,7 +104,7 @@ def write_gains(path: Path, gains: GainsFile) -> Path:
     return write_whole(path, tomlkit.dumps(document))
 
 
-def read_gains(path: Path, study_hash: str = "") -> GainsFile:
+def read_gains(path: str | Path, study_hash: str = "") -> GainsFile:
     """Read a gains file.
 
     Parameters
@@ -97,15 +117,18 @@ def read_gains(path: Path, study_hash: str = "") -> GainsFile:
     Raises
     ------
     InputError
-        If the file cannot be read, breaks a rule, was edited, or belongs to another study.
+        If the file cannot be read, is of a newer format, breaks a rule, was edited, or belongs to
+        another study.
     """
-    values = parse_toml(path, read_text(path))
+    path = Path(path)
+    values = parse_toml(path, read_text(path, _MISSING_FILE))
+    GAINS_FORMAT.take(path, values)
     stated = values.pop("content_hash", "")
     try:
         gains = GainsFile.model_validate(values, context={"si": True})
     except ValidationError as error:
-        raise InputError(path, *faults_of(error, GainsFile)) from error
-    if stated != gains.content_hash():
+        raise InputError(path, *faults_of(error, GainsFile, _MISSING_KEY)) from error
+    if stated != _hash(values):  # as written: keys that later versions add are not in it
         fault = Fault(
             "content_hash",
             "",
@@ -124,7 +147,7 @@ def read_gains(path: Path, study_hash: str = "") -> GainsFile:
     return gains
 
 
-def accepted_gains(path: Path, study_hash: str, *, force: bool = False) -> GainsFile:
+def accepted_gains(path: str | Path, study_hash: str, *, force: bool = False) -> GainsFile:
     """Read a gains file as a controller does: with satisfied margins, or on insistence.
 
     Raises

@@ -1,8 +1,9 @@
-"""From a study file to objects: TOML, overrides, validation, and errors in the user's words."""
+"""From a study's files to objects: bases, overrides, validation, and errors in the user's words."""
 
 from __future__ import annotations
 
 import difflib
+import os
 import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,8 @@ from pydantic import BaseModel, ValidationError
 
 from mptune.errors import Fault, InputError
 from mptune.files import read_text
+from mptune.params.format import FORMAT_KEY, STUDY_FORMAT
+from mptune.params.layers import Layers
 from mptune.params.measured import read_measured
 from mptune.params.recorded import read_load_table, read_references
 from mptune.params.study import ResolvedStudy, Study
@@ -20,11 +23,15 @@ if TYPE_CHECKING:
 
     from pydantic_core import ErrorDetails
 
+_BASE = "base"
+_OF_A_FILE = (FORMAT_KEY, _BASE)
+_REMEDY = "check the path, or start a study with `mptune new NAME`"
+
 
 def load_study(
     path: str | Path, overrides: Sequence[str] = (), uncertainty: str = ""
 ) -> ResolvedStudy:
-    """Read a study file.
+    """Read a study file, and those that it is based on.
 
     Parameters
     ----------
@@ -39,19 +46,20 @@ def load_study(
     Raises
     ------
     InputError
-        If the file cannot be read, or any value breaks a rule.
+        If a file cannot be read, is based on itself, or any value breaks a rule. It names the file
+        that the value was written in.
     """
     path = Path(path)
-    values = parse_toml(path, read_text(path))
+    layers = _layers(path)
     for override in overrides:
-        _override(values, override)
-    read_references(path, values)
-    read_load_table(path, values)
-    read_measured(path, values)
+        layers.override(*_key_and_value(override))
+    read_references(layers)
+    read_load_table(layers)
+    read_measured(layers)
     try:
-        study = Study.model_validate(values)
+        study = Study.model_validate(layers.values)
     except ValidationError as error:
-        raise InputError(path, *faults_of(error, Study)) from error
+        raise layers.refusal(*faults_of(error, Study)) from error
     if uncertainty and uncertainty not in study.uncertainty.sets:
         known = ", ".join(sorted(study.uncertainty.sets)) or "none"
         fault = Fault("uncertainty.sets", uncertainty, "is not among the sets", f"known: {known}")
@@ -61,13 +69,55 @@ def load_study(
     if study.objective.tracking_loop == "sampled" and chosen.delay[0] < half:
         rule = f"has no hold to run with in a total delay below half a sampling period, {half:g} s"
         remedy = "raise uncertainty.delay, which holds that half, or write continuous"
-        raise InputError(path, Fault("objective.tracking_loop", "sampled", rule, remedy))
+        raise layers.refusal(Fault("objective.tracking_loop", "sampled", rule, remedy))
     return ResolvedStudy(
         name=path.resolve().parent.name if path.stem == "study" else path.stem,
         study=study,
         uncertainty=chosen,
         uncertainty_name=uncertainty,
     )
+
+
+def _layers(path: Path) -> Layers:
+    """Return the values of a study laid over those of its base, and of the base's base."""
+    written: list[tuple[Path, dict[str, Any]]] = []
+    text = read_text(path, _REMEDY)
+    while True:
+        values = parse_toml(path, text)
+        STUDY_FORMAT.take(path, values)
+        base = values.pop(_BASE, None)
+        written.insert(0, (path, values))
+        if base is None:
+            break
+        path, text = _read_base(base, [file for file, _ in reversed(written)])
+    try:
+        return Layers.of(written)
+    except RecursionError as error:
+        fault = Fault("", "", "is not usable: nested too deeply", "shorten its keys")
+        raise InputError(written[-1][0], fault) from error
+
+
+def _read_base(base: Any, files: Sequence[Path]) -> tuple[Path, str]:
+    """Return path and text of the base that the last of these files names."""
+    file = files[-1]
+    if not isinstance(base, str) or not base.strip() or "\0" in base:
+        fault = Fault(_BASE, repr(base), "is no file name", f'write {_BASE} = "../boom/study.toml"')
+        raise InputError(file, fault)
+    joined = file.parent / base
+    path = Path(os.path.normpath(joined))
+    if os.path.realpath(path) != os.path.realpath(joined):
+        path = joined  # behind a link to a folder, ".." is another one's parent
+    try:
+        text = read_text(path)
+    except InputError as error:
+        rule = f"names {path}, which {error.faults[0].rule}"
+        remedy = f"mend that file, or the path: it is taken from the folder of {file.name}"
+        raise InputError(file, Fault(_BASE, repr(base), rule, remedy)) from error
+    if os.path.realpath(path) in map(os.path.realpath, files):
+        chain = " → ".join(map(str, (*files, path)))
+        fault = Fault(_BASE, repr(base), f"closes a cycle: {chain}", "let one stand without a base")
+        raise InputError(file, fault)
+    return path, text
 
 
 def parse_toml(path: Path, text: str) -> dict[str, Any]:
@@ -88,12 +138,17 @@ def parse_toml(path: Path, text: str) -> dict[str, Any]:
         raise InputError(path, fault) from error
 
 
-def faults_of(error: ValidationError, model: type[BaseModel]) -> list[Fault]:
-    """Return each error of a validation as a fault in the user's words."""
+def faults_of(
+    error: ValidationError, model: type[BaseModel], remedy: str = "add it to the study"
+) -> list[Fault]:
+    """Return each error of a validation as a fault in the user's words.
+
+    The ``remedy`` says what to do about a key that is missing.
+    """
     faults: dict[str, Fault] = {}
     for detail in error.errors():
         key = _key(detail["loc"])
-        faults.setdefault(key, _fault(key, detail, model))
+        faults.setdefault(key, _fault(key, detail, model, remedy))
     return list(faults.values())
 
 
@@ -110,13 +165,13 @@ def _names_a_type(part: str) -> bool:
     return "[" in part or part in {"float", "int", "str", "none"}
 
 
-def _fault(key: str, detail: ErrorDetails, model: type[BaseModel]) -> Fault:
+def _fault(key: str, detail: ErrorDetails, model: type[BaseModel], remedy: str) -> Fault:
     kind, context = detail["type"], detail.get("ctx") or {}
     value = "" if isinstance(detail["input"], dict) else repr(detail["input"])
     if kind == "refused":
         return Fault(key, value, context["rule"], context["remedy"])
     if kind == "missing":
-        return Fault(key, "", "is missing", "add it to the study")
+        return Fault(key, "", "is missing", remedy)
     if kind == "extra_forbidden":
         return Fault(key, "", "is an unknown key", _suggestion(key, model))
     if kind == "literal_error":
@@ -132,13 +187,15 @@ def _suggestion(key: str, model: type[BaseModel]) -> str:
         if not (isinstance(inner, type) and issubclass(inner, BaseModel)):
             return "remove it, or check its spelling"
         model = inner
-    close = difflib.get_close_matches(last, model.model_fields, n=1)
+    known = [*(_OF_A_FILE if model is Study else ()), *model.model_fields]
+    close = difflib.get_close_matches(last, known, n=1)
     if close:
         return f"did you mean `{close[0]}`?"
-    return f"known here: {', '.join(model.model_fields)}"
+    return f"known here: {', '.join(known)}"
 
 
-def _override(values: dict[str, Any], override: str) -> None:
+def _key_and_value(override: str) -> tuple[list[str], Any]:
+    """Return the parts of an override's key, and its value."""
     key, separator, text = override.partition("=")
     parts = [part.strip() for part in key.split(".")]
     if not separator or not all(parts):
@@ -151,11 +208,7 @@ def _override(values: dict[str, Any], override: str) -> None:
     if set(parsed) != {"value"}:
         fault = Fault(key.strip(), "", "is given more than one value", "repeat --set for each key")
         raise InputError("--set", fault)
-    value = parsed["value"]
-    section = values
-    for part in parts[:-1]:
-        section = section.setdefault(part, {})
-        if not isinstance(section, dict):
-            fault = Fault(key.strip(), "", "is not inside a section", f"`{part}` holds a value")
-            raise InputError("--set", fault)
-    section[parts[-1]] = value
+    if parts[0] in _OF_A_FILE:
+        fault = Fault(key.strip(), "", "belongs to a file", "write it at the top of the study")
+        raise InputError("--set", fault)
+    return parts, parsed["value"]

@@ -13,7 +13,9 @@ imaginary part  imaginary, imag, im         1 (also -), or nothing
 coherence       coherence                   1 (also -), or nothing; the column may be missing
 ==============  ==========================  ===============================================
 
-Either magnitude and phase or real and imaginary part. Frequencies are positive and rise. Any other
+Either magnitude and phase or real and imaginary part. A phase that goes beyond half a turn is taken
+as it is written, step by step; one that stays within it is unwrapped. Frequencies are positive and
+rise. Any other
 column is refused, so that no misspelt one is overlooked.
 
 In a study, ``measured`` under ``[uncertainty]`` names such files. They are read at once, so that
@@ -23,20 +25,21 @@ before the hold of the sampled controller, to force: it holds G_F and the whole 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 
 from mptune.errors import Fault, InputError
 from mptune.params.section import Section
-from mptune.params.table import Table, read_table
+from mptune.params.table import BESIDE_STUDY, Table, read_table
 from mptune.units import UnitError, parse_quantity
 
 if TYPE_CHECKING:
     from pathlib import Path
 
     from mptune.arrays import ComplexArray, FloatArray
+    from mptune.params.layers import Layers
 
 _FEWEST_ROWS = 4
 _NAMES = {
@@ -58,6 +61,15 @@ class MeasuredResponse(Section):
     rows: tuple[tuple[float, float, float], ...] = Field(
         description="frequencies [rad/s], real and imaginary parts"
     )
+    phases: tuple[float, ...] = Field(
+        (), description="phases as written [rad], where they go beyond half a turn"
+    )
+
+    @model_validator(mode="after")
+    def _phases_fit(self) -> Self:
+        if len(self.phases) not in {0, len(self.rows)}:
+            raise ValueError("give as many phases as rows, or none")
+        return self
 
 
 class ResponseTable(NamedTuple):
@@ -66,51 +78,61 @@ class ResponseTable(NamedTuple):
     omega: FloatArray  # (F,) rad/s
     response: ComplexArray  # (F,)
     coherence: FloatArray  # (F,), NaN where not known
+    phase: FloatArray | None = None  # (F,) rad, as written where that is beyond half a turn
 
 
-def read_measured(study: Path, values: dict[str, Any]) -> None:
+def read_measured(layers: Layers) -> None:
     """Replace the files that ``measured`` names, in each uncertainty set, by their rows, in place.
 
-    Paths are taken from the study's folder.
+    Paths are taken from the folder of the study that names them.
 
     Raises
     ------
     InputError
         If a file cannot be read or breaks a rule.
     """
-    uncertainty = values.get("uncertainty")
+    uncertainty = layers.values.get("uncertainty")
     if not isinstance(uncertainty, dict):
         return
     sets = uncertainty.get("sets")
-    others = list(sets.values()) if isinstance(sets, dict) else []
-    for box in (uncertainty, *others):
+    others = sets if isinstance(sets, dict) else {}
+    boxes = {"uncertainty": uncertainty} | {
+        f"uncertainty.sets.{key}": others[key] for key in others
+    }
+    for key, box in boxes.items():
         if not isinstance(box, dict) or not isinstance(box.get("measured"), list):
             continue
+        folder = layers.folder_of(f"{key}.measured")
         box["measured"] = [
-            _member(study.parent, file) if isinstance(file, str) else file
-            for file in box["measured"]
+            _member(folder, file) if isinstance(file, str) else file for file in box["measured"]
         ]
 
 
 def _member(folder: Path, file: str) -> dict[str, Any]:
     path = folder / file
-    table = read_response_table(path)
+    table = read_response_table(path, BESIDE_STUDY)
     if not np.all(np.abs(table.response) > 0):
         rule = "has a magnitude of zero, which has no phase"
         raise InputError(path, Fault("response", "", rule, "leave that row out"))
     rows = zip(table.omega, table.response.real, table.response.imag, strict=True)
-    return {"name": path.stem, "rows": [[float(cell) for cell in row] for row in rows]}
+    member: dict[str, Any] = {
+        "name": path.stem,
+        "rows": [[float(cell) for cell in row] for row in rows],
+    }
+    return member if table.phase is None else {**member, "phases": table.phase.tolist()}
 
 
-def read_response_table(path: Path) -> ResponseTable:
+def read_response_table(path: Path, remedy: str = "check the path") -> ResponseTable:
     """Return the frequency response of a CSV file; the module's docstring has its rules.
+
+    The ``remedy`` says what to do where there is no such file.
 
     Raises
     ------
     InputError
         If the file cannot be read or breaks a rule.
     """
-    table = read_table(path)
+    table = read_table(path, _EXAMPLE, remedy)
     found = _columns(path, table)
     values = {role: table.columns[index] * scale for role, (index, scale) in found.items()}
     omega = values["frequency"]
@@ -124,11 +146,16 @@ def read_response_table(path: Path) -> ResponseTable:
         magnitude = 10 ** (values["magnitude"] / 20) if decibels else values["magnitude"]
         response = magnitude * np.exp(1j * values["phase"])
     coherence = values.get("coherence", np.full(len(omega), np.nan))
-    _check(path, omega, response, coherence)
-    return ResponseTable(omega, response, coherence)
+    phase = values.get("phase")
+    if phase is not None and not np.any(np.abs(phase) > np.pi * (1 + 1e-9)):
+        phase = None  # wrapped into one turn
+    read = ResponseTable(omega, response, coherence, phase)
+    _check(path, table.lines, read)
+    return read
 
 
-def _check(path: Path, omega: FloatArray, response: ComplexArray, coherence: FloatArray) -> None:
+def _check(path: Path, lines: tuple[int, ...], found: ResponseTable) -> None:
+    omega, response, coherence, _ = found
     with np.errstate(invalid="ignore"):
         falls = np.diff(omega, prepend=0.0) <= 0
     rules = (
@@ -142,8 +169,8 @@ def _check(path: Path, omega: FloatArray, response: ComplexArray, coherence: Flo
     )
     for broken, rule in rules:
         if broken.any():
-            row = f"row {int(np.argmax(broken)) + 1}"
-            raise InputError(path, Fault(row, "", rule, "mend it, or leave the row out"))
+            line = f"line {lines[int(np.argmax(broken))]}"
+            raise InputError(path, Fault(line, "", rule, "mend it, or leave the line out"))
 
 
 def _columns(path: Path, table: Table) -> dict[str, tuple[int, float]]:

@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from mptune.summary import tuple_text
+
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, FloatArray, IntArray
     from mptune.params.controller import Controller, Feedforward, Gains
@@ -44,6 +46,10 @@ class Plants(NamedTuple):
     def followed_by(self, others: Plants) -> Plants:
         """Return these plants and others behind them."""
         return Plants(*(np.concatenate(pair) for pair in zip(self, others, strict=True)))
+
+    def __repr__(self) -> str:
+        """Return shape and range of each field."""
+        return tuple_text(self)
 
 
 class NominalPlant(NamedTuple):
@@ -262,7 +268,17 @@ def pack_force(study: ResolvedStudy) -> ForceSettings:
     machine = pack_machine(study, 1.0, study.study.oil.bulk_modulus_estimate, 0.0)
     controller = study.study.controller
     return ForceSettings(
-        *machine[:11],
+        area_a=machine.area_a,
+        area_b=machine.area_b,
+        stroke=machine.stroke,
+        dead_a=machine.dead_a,
+        dead_b=machine.dead_b,
+        hose_a=machine.hose_a,
+        hose_b=machine.hose_b,
+        oil=machine.oil,
+        hose=machine.hose,
+        flow_coefficient=machine.flow_coefficient,
+        transition_pressure=machine.transition_pressure,
         sampling_period=controller.sampling_period,
         pressure_min=controller.pressure_min,
         pressure_max=controller.pressure_max,

@@ -5,100 +5,101 @@ They are read at once, so that the study, and its hash, hold what it was judged 
 
 from __future__ import annotations
 
-import csv
-import io
-import math
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from mptune.errors import Fault, InputError
-from mptune.files import read_text
-from mptune.units import UnitError, label_and_unit, parse_quantity
+from mptune.params.table import BESIDE_STUDY, read_table
+from mptune.units import UnitError, parse_quantity
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
+    from mptune.params.layers import Layers
+    from mptune.params.table import Table
+
+_REFERENCE = {"time": "s", "position": "m"}
+_LOAD_TABLE = {"position": "m", "force": "N", "inertia": "1"}
 _FEWEST_SAMPLES, _FEWEST_ROWS = 4, 2
+_PLAIN = {"", "1", "-"}
 
 
-def read_references(study: Path, values: dict[str, Any]) -> None:
+def read_references(layers: Layers) -> None:
     """Replace ``file`` in each manoeuvre by its samples and their duration, in place.
 
     A file has two columns with a header that names their units, ``time [s],position [mm]``, and
-    rising times. Its path is taken from the study's folder.
+    rising times. Its path is taken from the folder of the study that names it.
 
     Raises
     ------
     InputError
         If a file cannot be read or breaks a rule.
     """
-    manoeuvres = values.get("manoeuvre")
+    manoeuvres = layers.values.get("manoeuvre")
+    folder = layers.folder_of("manoeuvre")
     for move in manoeuvres if isinstance(manoeuvres, list) else []:
         if isinstance(move, dict) and isinstance(move.get("file"), str):
-            samples = _read(
-                study.parent / move.pop("file"), (("time", "s"), ("position", "m")), _FEWEST_SAMPLES
-            )
+            samples = _read(folder / move.pop("file"), _REFERENCE, _FEWEST_SAMPLES)
             move["samples"] = samples
             move["duration"] = f"{samples[-1][0] - samples[0][0]!r} s"
 
 
-def read_load_table(study: Path, values: dict[str, Any]) -> None:
+def read_load_table(layers: Layers) -> None:
     """Replace the ``table`` that ``[load]`` names by its rows, in place.
 
     The file has the columns ``position [mm],force [kN],inertia [-]``: load force added and factor
-    of the inertia at rising piston positions.
+    of the inertia at rising piston positions. Its path is taken from the folder of the study that
+    names it.
 
     Raises
     ------
     InputError
         If the file cannot be read or breaks a rule.
     """
-    load = values.get("load")
+    load: Any = layers.values.get("load")
     if isinstance(load, dict) and isinstance(load.get("table"), str):
-        path = study.parent / load["table"]
-        columns = (("position", "m"), ("force", "N"), ("inertia", "1"))
-        rows = _read(path, columns, _FEWEST_ROWS)
+        path = layers.folder_of("load.table") / load["table"]
+        rows = _read(path, _LOAD_TABLE, _FEWEST_ROWS)
         if any(row[2] <= 0 for row in rows):
             raise InputError(path, Fault("inertia", "", "is not positive", "give factors above 0"))
         load["table"] = rows
 
 
-def _read(path: Path, columns: tuple[tuple[str, str], ...], fewest: int) -> list[list[float]]:
-    rows = list(csv.reader(io.StringIO(read_text(path))))
-    scales = _scales(path, rows[0], columns)
-    samples: list[list[float]] = []
-    for line, row in enumerate(rows[1:], start=2):
-        try:
-            numbers = [float(cell) * scale for cell, scale in zip(row, scales, strict=True)]
-        except ValueError:
-            numbers = [math.nan]
-        if not all(math.isfinite(number) for number in numbers):
-            raise InputError(path, Fault(f"line {line}", "", "is no row of numbers", "mend it"))
-        if samples and numbers[0] <= samples[-1][0]:
-            fault = Fault(
-                f"line {line}",
-                "",
-                "does not come after the line before",
-                "let the first column rise",
-            )
-            raise InputError(path, fault)
-        samples.append(numbers)
-    if len(samples) < fewest:
-        rule = f"has {len(samples)} rows where {fewest} are needed at least"
+def _read(path: Path, columns: Mapping[str, str], fewest: int) -> list[list[float]]:
+    """Return the rows of a file in SI, the first of its columns rising."""
+    heading = ",".join(f"{name} [{unit}]" for name, unit in columns.items())
+    table = read_table(path, heading, BESIDE_STUDY)
+    values = table.columns * np.array(_scales(path, table, columns, heading))[:, None]
+    finite = np.isfinite(values).all(axis=0)
+    if not finite.all():
+        line = f"line {table.lines[int(np.argmin(finite))]}"
+        raise InputError(path, Fault(line, "", "is no row of numbers", "mend it"))
+    rises = np.diff(values[0], prepend=-np.inf) > 0
+    if not rises.all():
+        line = f"line {table.lines[int(np.argmin(rises))]}"
+        rule, remedy = "does not come after the line before", "let the first column rise"
+        raise InputError(path, Fault(line, "", rule, remedy))
+    if len(table.lines) < fewest:
+        rule = f"has {len(table.lines)} rows where {fewest} are needed at least"
         raise InputError(path, Fault("", "", rule, "record more"))
-    return samples
+    rows: list[list[float]] = values.T.tolist()
+    return rows
 
 
-def _scales(path: Path, header: list[str], wanted: tuple[tuple[str, str], ...]) -> list[float]:
-    """Return the SI values of the columns' units; "-" stands for a plain number."""
-    labels = [label_and_unit(cell) for cell in header]
-    if [label for label, _ in labels] != [name for name, _ in wanted]:
-        rule = f"is {','.join(header)!r}"
-        remedy = "write " + ",".join(f"{name} [{unit}]" for name, unit in wanted)
-        raise InputError(path, Fault("header", "", rule, remedy))
+def _scales(path: Path, table: Table, columns: Mapping[str, str], heading: str) -> list[float]:
+    """Return the SI values of the columns' units; "-" or nothing stands for a plain number."""
+    labels = [label.lower() for label in table.labels]
+    if labels != list(columns):
+        fault = Fault("header", "", f"is {','.join(table.labels)!r}", f"write {heading}")
+        raise InputError(path, fault)
     scales = []
-    for (_, written), (_, unit) in zip(labels, wanted, strict=True):
+    for label, written, unit in zip(labels, table.units, columns.values(), strict=True):
         try:
-            scales.append(1.0 if unit == "1" else parse_quantity(f"1 {written}", unit))
+            plain = unit == "1" and written in _PLAIN
+            scales.append(1.0 if plain else parse_quantity(f"1 {written}", unit))
         except UnitError as error:
-            raise InputError(path, Fault("header", "", error.rule, error.remedy)) from error
+            remedy = f"{error.remedy}; a heading that would do is {heading}"
+            raise InputError(path, Fault("header", label, error.rule, remedy)) from error
     return scales

@@ -7,7 +7,8 @@ A dimensional value is a string with its unit in the study file and an SI float 
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any, NoReturn
+from types import UnionType
+from typing import TYPE_CHECKING, Any, NoReturn, Union, get_args, get_origin
 
 from pydantic import BaseModel, ConfigDict, Field, field_validator
 from pydantic_core import PydanticCustomError
@@ -102,7 +103,17 @@ def refuse(rule: str, remedy: str) -> NoReturn:
 
 
 def _is_range(field: FieldInfo) -> bool:
-    return str(Range) in str(field.annotation) and not _is_list(field)
+    return Range in _kinds(field)
+
+
+def _is_list(field: FieldInfo) -> bool:
+    return any(get_origin(kind) is tuple and Ellipsis in get_args(kind) for kind in _kinds(field))
+
+
+def _kinds(field: FieldInfo) -> tuple[Any, ...]:
+    """Return the types that a field allows: the members of a union, or its only one."""
+    kind = field.annotation
+    return get_args(kind) if get_origin(kind) in {Union, UnionType} else (kind,)
 
 
 def _convert(value: Any, extra: dict[str, Any]) -> Any:
@@ -138,10 +149,6 @@ def _check_bounds(number: float, extra: dict[str, Any], unit: str) -> None:
         refuse(f"must be at least {at_least:g}{unit}", "give a larger value")
     if at_most is not None and number > at_most:
         refuse(f"must be at most {at_most:g}{unit}", "give a smaller value")
-
-
-def _is_list(field: FieldInfo) -> bool:
-    return "..." in str(field.annotation)
 
 
 def _check_list(value: Any) -> None:

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import hashlib
 import json
-from typing import Any, Self
+from typing import Annotated, Any, Self
 
-from pydantic import Field, model_validator
+from pydantic import AfterValidator, Field, model_validator
 
 from mptune.params.campaign import Campaign
 from mptune.params.controller import Controller, Feedforward, Gains
@@ -16,11 +16,25 @@ from mptune.params.manoeuvre import Manoeuvre, Verification
 from mptune.params.requirements import Objective, Requirements
 from mptune.params.section import Section, refuse
 from mptune.params.uncertainty import Model, Uncertainty, UncertaintySet
+from mptune.summary import Summarised
 
 SOURCE_KINDS = ("published", "derived", "assumed", "measured")
+_LIKE_THIS = 'write sources like "cylinder.bore" = "derived: how"'
 
 
-class Study(Section):
+def _of_a_section(key: str) -> str:
+    if key.partition(".")[0] not in Study.model_fields:
+        refuse("is a source of something that is no section of a study", _LIKE_THIS)
+    return key
+
+
+def _of_a_kind(source: str) -> str:
+    if not source.startswith(SOURCE_KINDS):
+        refuse(f"is a source that starts with none of {', '.join(SOURCE_KINDS)}", _LIKE_THIS)
+    return source
+
+
+class Study(Summarised, Section):
     """Everything that a study file says, in SI."""
 
     title: str = Field("", description="title for print")
@@ -41,19 +55,9 @@ class Study(Section):
     verification: Verification
     identification: Identification = Identification()
     campaign: Campaign = Campaign()
-    sources: dict[str, str] = Field(default_factory=dict)
-
-    @model_validator(mode="after")
-    def _sources_point_at_values(self) -> Self:
-        known = set(self.model_dump())
-        for key, source in self.sources.items():
-            if key.split(".")[0] not in known or not source.startswith(SOURCE_KINDS):
-                refuse(
-                    f"has a source for `{key}` that names no section or starts with none of "
-                    f"{', '.join(SOURCE_KINDS)}",
-                    'write it like "cylinder.bore" = "derived: how"',
-                )
-        return self
+    sources: dict[
+        Annotated[str, AfterValidator(_of_a_section)], Annotated[str, AfterValidator(_of_a_kind)]
+    ] = Field(default_factory=dict)
 
     @model_validator(mode="after")
     def _moves_stay_within_the_stroke(self) -> Self:
@@ -69,13 +73,18 @@ class Study(Section):
             position += move.net_distance
         return self
 
+    @property
+    def headline(self) -> str:
+        """The title."""
+        return f"Study {self.title}".rstrip()
+
     def source_of(self, key: str) -> str:
         """Return where a value comes from: its own entry, or its section's, or nothing."""
         section = key.rsplit(".", 1)[0]
         return self.sources.get(key) or self.sources.get(section) or ""
 
 
-class ResolvedStudy(Section):
+class ResolvedStudy(Summarised, Section):
     """A study with its uncertainty set chosen, ready for work.
 
     Attributes
@@ -90,6 +99,11 @@ class ResolvedStudy(Section):
     study: Study
     uncertainty: UncertaintySet
     uncertainty_name: str = ""
+
+    @property
+    def headline(self) -> str:
+        """Name and uncertainty set."""
+        return f"Study {self.name}, uncertainty {self.uncertainty_name or 'default'}"
 
     @property
     def title(self) -> str:

@@ -4,16 +4,13 @@ from __future__ import annotations
 
 import re
 from importlib import resources
-from typing import TYPE_CHECKING
+from pathlib import Path
 
 from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
 
-if TYPE_CHECKING:
-    from pathlib import Path
 
-
-def write_template(folder: Path, name: str) -> Path:
+def write_template(folder: str | Path, name: str) -> Path:
     """Write ``<folder>/<name>/study.toml``, every key with its symbol and meaning.
 
     Raises
@@ -24,7 +21,7 @@ def write_template(folder: Path, name: str) -> Path:
     if not re.fullmatch(r"[\w][\w.-]*", name):
         fault = Fault("", repr(name), "is no plain folder name", "use letters, digits, - and _")
         raise InputError("NAME", fault)
-    path = folder / name / "study.toml"
+    path = Path(folder) / name / "study.toml"
     if path.exists():
         fault = Fault("", "", "exists already", "choose another name, or edit that file")
         raise InputError(path, fault)

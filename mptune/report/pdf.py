@@ -10,52 +10,41 @@ import json
 import tempfile
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Literal
 
 from mptune.errors import OutputError
-from mptune.files import write_whole
+from mptune.report.blocks import plain
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
+    from mptune.report.blocks import Document
+
 _TEMPLATE, _EQUATIONS = "report.typ", "equations.typ"
 
 
-def write_pdf(path: Path, document: Mapping[str, Any], figures: Mapping[str, bytes]) -> Path:
-    """Write the report, whole or not at all.
-
-    Parameters
-    ----------
-    path
-        The PDF file.
-    document
-        What it says, see ``mptune.report.content``.
-    figures
-        SVG bytes by name.
+def pdf(document: Document, figures: Mapping[str, bytes]) -> bytes:
+    """Return the report as PDF, its figures from SVG bytes by name.
 
     Raises
     ------
     OutputError
-        If the file cannot be written, or the template does not compile.
+        If the template does not compile.
     """
     files = {f"{name}.svg": svg for name, svg in figures.items()}
-    files["content.json"] = json.dumps(document).encode()
-    (pdf,) = compiled(path, (_TEMPLATE, _EQUATIONS), files, "pdf")
-    return write_whole(path, pdf)
+    files["content.json"] = json.dumps(document, default=plain).encode()
+    return compiled((_TEMPLATE, _EQUATIONS), files, "pdf")[0]
 
 
 def compiled(
-    path: Path,
-    templates: tuple[str, ...],
-    files: Mapping[str, bytes],
-    kind: Literal["pdf", "svg"],
+    templates: tuple[str, ...], files: Mapping[str, bytes], kind: Literal["pdf", "svg"]
 ) -> list[bytes]:
     """Return what Typst makes of the first template: one PDF, or one SVG per page.
 
     Raises
     ------
     OutputError
-        If it does not compile; ``path`` is what was to be written.
+        If it does not compile.
     """
     import typst
 
@@ -71,5 +60,5 @@ def compiled(
         try:
             typst.compile(first, output=made, root=root, ignore_system_fonts=True, format=kind)
         except typst.TypstError as error:
-            raise OutputError(f"{path}: the report did not compile: {error.message}") from error
+            raise OutputError(f"the report did not compile: {error.message}") from error
         return [page.read_bytes() for page in sorted(root.glob(f"page*.{kind}"))]

@@ -9,48 +9,44 @@ from __future__ import annotations
 import re
 from html import escape
 from importlib import resources
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
-from mptune.files import write_whole
+from mptune.report.blocks import (
+    Cell,
+    Equations,
+    Figure,
+    Heading,
+    Note,
+    Prose,
+    Tabular,
+    Words,
+)
 from mptune.report.pdf import compiled
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
-    from pathlib import Path
 
-    from mptune.report.blocks import Block
+    from mptune.report.blocks import Block, Document
 
 _FORMULAS, _EQUATIONS, _STYLE = "formulas.typ", "equations.typ", "report.css"
 _NUMBERED = re.compile(r"eq(\d+)")
-_TAGS = {
-    "key": "code",
-    "strong": "strong",
-    "small": "small",
-}
+_PARAGRAPHS: dict[type, str] = {Prose: "p", Note: 'p class="note"', Heading: "h3"}
+_TAGS = {"key": "code", "strong": "strong", "small": "small"}
 
 
-def write_html(path: Path, document: Mapping[str, Any], figures: Mapping[str, bytes]) -> Path:
-    """Write the report for the browser, whole or not at all.
-
-    Parameters
-    ----------
-    path
-        The HTML file.
-    document
-        What it says, see ``mptune.report.content``.
-    figures
-        SVG bytes by name.
+def web_page(document: Document, figures: Mapping[str, bytes]) -> str:
+    """Return the report for the browser, its figures from SVG bytes by name.
 
     Raises
     ------
     OutputError
-        If the file cannot be written, or the equations do not compile.
+        If the equations do not compile.
     """
     drawn = {name: _inline(svg, name) for name, svg in figures.items()}
-    pages = compiled(path, (_FORMULAS, _EQUATIONS), {}, "svg")
+    pages = compiled((_FORMULAS, _EQUATIONS), {}, "svg")
     for name, svg in zip(_names_of_equations(), pages, strict=True):
         drawn[name] = _inline(svg, name)
-    return write_whole(path, _page(document, drawn))
+    return _page(document, drawn)
 
 
 def _names_of_equations() -> list[str]:
@@ -68,24 +64,23 @@ def _inline(svg: bytes, name: str) -> str:
     return re.sub(r"url\(#", f"url(#{name}-", text)
 
 
-def _page(document: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
+def _page(document: Document, drawn: Mapping[str, str]) -> str:
     style = resources.files("mptune.report").joinpath(_STYLE).read_text(encoding="utf-8")
-    title, front = escape(document["title"]), document["front"]
-    stamp = f"mptune {document['version']} · {document['date']} · model {document['hash'][:16]}"
-    sections = document["sections"]
-    verdict = "good" if document["satisfied"] else "bad"
-    status = "".join(f"<p>{escape(line)}</p>" for line in front["status"])
+    title, front = escape(document.title), document.front
+    verdict = "good" if document.satisfied else "bad"
+    about = "<br>".join(map(escape, front.about))
+    status = "".join(f"<p>{escape(line)}</p>" for line in front.status)
     warnings = "".join(
-        f'<p class="mind"><strong>Mind:</strong> {escape(one)}</p>' for one in front["warnings"]
+        f'<p class="mind"><strong>Mind:</strong> {escape(one)}</p>' for one in front.warnings
     )
     contents = "".join(
-        f'<li><a href="#section-{n}">{_words(one["runs"])}</a></li>'
-        for n, one in enumerate(sections, 1)
+        f'<li><a href="#section-{n}">{_words(one)}</a></li>'
+        for n, one in enumerate(document.chapters, 1)
     )
     body = "".join(
-        f'<section id="section-{n}"><h2>{n} {_words(one["runs"])}</h2>\n'
-        f"{_blocks(one['blocks'], drawn)}</section>\n"
-        for n, one in enumerate(sections, 1)
+        f'<section id="section-{n}"><h2>{n} {_words(one)}</h2>\n'
+        f"{_blocks(one.blocks, drawn)}</section>\n"
+        for n, one in enumerate(document.chapters, 1)
     )
     return f"""<!DOCTYPE html>
 <html lang="en">
@@ -97,10 +92,10 @@ def _page(document: Mapping[str, Any], drawn: Mapping[str, str]) -> str:
 {style}</style>
 </head>
 <body>
-<header><h1>{title}</h1><p>{escape(front["about"])}<br>{escape(stamp)}</p></header>
-<div class="verdict {verdict}"><h2>{escape(front["headline"])}</h2>{status}</div>
+<header><h1>{title}</h1><p>{about}</p></header>
+<div class="verdict {verdict}"><h2>{escape(front.headline)}</h2>{status}</div>
 {warnings}
-{_blocks(front["blocks"], drawn)}
+{_blocks(front.blocks, drawn)}
 <nav><h3>Contents</h3><ol>{contents}</ol></nav>
 {body}</body>
 </html>
@@ -112,19 +107,18 @@ def _blocks(blocks: Iterable[Block], drawn: Mapping[str, str]) -> str:
 
 
 def _block(block: Block, drawn: Mapping[str, str]) -> str:
-    kind = block["kind"]
-    if kind == "table":
-        return _table(block)
-    if kind == "figure":
-        picture, caption = drawn[block["name"]], _words(block["runs"])
-        return f"<figure>{picture}<figcaption>{caption}</figcaption></figure>"
-    if kind == "equations":
-        names = [name for line in block["lines"] for name in line]
-        return "".join(_equation(name, drawn[name]) for name in names)
-    if kind == "break":
-        return ""
-    tag = {"prose": "p", "note": 'p class="note"', "heading": "h3"}[kind]
-    return f"<{tag}>{_words(block['runs'])}</{tag.split()[0]}>"
+    match block:
+        case Tabular():
+            return _table(block)
+        case Equations():
+            return "".join(_equation(name, drawn[name]) for line in block.lines for name in line)
+        case Figure():
+            caption = f"<figcaption>{_words(block)}</figcaption>"
+            return f"<figure>{drawn[block.name]}{caption}</figure>"
+        case Words():
+            tag = _PARAGRAPHS[type(block)]
+            return f"<{tag}>{_words(block)}</{tag.split()[0]}>"
+    return ""  # a page's end
 
 
 def _equation(name: str, picture: str) -> str:
@@ -133,35 +127,35 @@ def _equation(name: str, picture: str) -> str:
     return f'<div class="equation">{picture}{label}</div>'
 
 
-def _table(block: Block) -> str:
-    heads = "".join(
-        f'<th class="{column["align"]}">{_words(column["runs"])}</th>'
-        for column in block["columns"]
-    )
+def _table(table: Tabular) -> str:
+    sides = [column.align for column in table.columns]
+    heads = "".join(f'<th class="{column.align}">{_words(column)}</th>' for column in table.columns)
     rows = "".join(
         "<tr>"
         + "".join(
-            f'<td class="{column["align"]}">{_cell(cell)}</td>'
-            for column, cell in zip(block["columns"], row, strict=True)
+            f'<td class="{side}">{_cell(cell)}</td>' for side, cell in zip(sides, row, strict=True)
         )
         + "</tr>\n"
-        for row in block["rows"]
+        for row in table.rows
     )
     return f'<div class="wide"><table><thead><tr>{heads}</tr></thead>\n{rows}</table></div>'
 
 
-def _cell(cell: Mapping[str, str]) -> str:
-    text, look = cell["text"], cell["look"]
-    if look == "symbol":
+def _cell(cell: str | Cell) -> str:
+    if not isinstance(cell, Cell):
+        return escape(cell)
+    text = escape(cell.text)
+    if cell.look == "symbol":
         base, _, below = text.partition("_")
-        return escape(base) + (f"<sub>{escape(below)}</sub>" if below else "")
-    if look in {"good", "bad"}:
-        return f'<strong class="{look}">{escape(text)}</strong>'
-    tag = _TAGS.get(look)
-    return f"<{tag}>{escape(text)}</{tag}>" if tag else escape(text)
+        return base + (f"<sub>{below}</sub>" if below else "")
+    if cell.look in {"good", "bad"}:
+        return f'<strong class="{cell.look}">{text}</strong>'
+    tag = _TAGS[cell.look]
+    return f"<{tag}>{text}</{tag}>"
 
 
-def _words(runs: Iterable[Mapping[str, Any]]) -> str:
+def _words(words: Words) -> str:
     return "".join(
-        f"<sub>{escape(run['text'])}</sub>" if run["sub"] else escape(run["text"]) for run in runs
+        f"<sub>{escape(run['text'])}</sub>" if run["sub"] else escape(run["text"])
+        for run in words.runs
     )

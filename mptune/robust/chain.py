@@ -9,33 +9,34 @@ answers; side by side they say what the inequalities do not see. Each link is th
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from functools import partial
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mptune.loops.broken import FORCE
-from mptune.loops.sampled import stable_as_sampled
 from mptune.loops.stability import count_unstable_poles
 from mptune.robust.condition import sides
+from mptune.robust.families import stable_plants
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.place import PlantPoint, finite, plant_point
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
     from mptune.arrays import BoolArray
-    from mptune.loops.family import FamilyLoops
-    from mptune.robust.result import Family, SweepResult
+    from mptune.robust.family import Family
+    from mptune.robust.result import SweepResult
 
 LARGEST, SMALLEST = 64.0, 1 / 64.0  # factors beyond which nothing is searched
 _STEPS = 30  # of a bisection
+_NAMES = {"none": "true family", "filters": "with measurement path"}
 _DENSE = 3  # first grids laid into one another: the search does not refine
 
 
 @dataclass(frozen=True)
-class Link:
+class Link(Summarised):
     """One model's answer.
 
     Attributes
@@ -52,6 +53,11 @@ class Link:
     name: str
     factor: float
     at: PlantPoint | None
+
+    @property
+    def headline(self) -> str:
+        """The model and its factor."""
+        return f"{self.name}: {factor_text(self.factor)}"
 
     def json(self) -> dict[str, Any]:
         """Return the link, as JSON has it."""
@@ -96,26 +102,17 @@ def chain(result: SweepResult) -> tuple[Link, ...]:
 
     A finite grid of plants and frequencies can only miss worse ones: every factor errs on the high
     side.
+
+    Parameters
+    ----------
+    result
+        The sweep of the gains asked about.
     """
-    model = result.model
     links = [_inequalities(result)]
-    for family in result.families:
-        loops = replace(model.loops(result.gains, model.path_of(family.path)), plants=family.plants)
-        name = "true family" if family.path == "none" else "with measurement path"
-        links.append(_family_link(name, family, loops, _counted))
+    links += [_family_link(_NAMES[family.path], family, result) for family in result.families]
     if result.sampled is not None:
-        loops = model.as_it_runs(result.gains)
-        stable = partial(_as_sampled, model.period)
-        links.append(_family_link("sampled", result.sampled, loops, stable))
+        links.append(_family_link("sampled", result.sampled, result))
     return tuple(links)
-
-
-def _counted(loops: FamilyLoops) -> BoolArray:
-    return count_unstable_poles(loops).stable
-
-
-def _as_sampled(period: float, loops: FamilyLoops) -> BoolArray:
-    return stable_as_sampled(loops, period)[0]
 
 
 def _inequalities(result: SweepResult) -> Link:
@@ -132,7 +129,7 @@ def _inequalities(result: SweepResult) -> Link:
         found = sides(omega, replace(scaled, plants=model.plants), model.nominal)
         loop, place = np.unravel_index(int(np.argmax(found.ratio)), found.ratio.shape)
         if found.ratio[loop, place] < 1:
-            return bool(_counted(scaled)[0])
+            return bool(count_unstable_poles(scaled).stable[0])
         worst = plant_point(model.plants, int(found.plant[loop, place]), float(omega[place]))
         return False
 
@@ -140,9 +137,7 @@ def _inequalities(result: SweepResult) -> Link:
     return Link("Eq. 17 and 21", factor, worst)
 
 
-def _family_link(
-    name: str, family: Family, loops: FamilyLoops, stable: Callable[[FamilyLoops], BoolArray]
-) -> Link:
+def _family_link(name: str, family: Family, result: SweepResult) -> Link:
     """Return the smallest gain margin of a family, or the factor that makes all of it stable.
 
     NaN where the plants that are stable as they are would not bear that factor.
@@ -150,11 +145,14 @@ def _family_link(
     if family.unstable_count == 0:
         factor, at = family.worst("gain_margin", FORCE)
         return Link(name, factor, at)
-    failing = loops.picked(~family.stable)
-    factor = gain_limit(lambda factor: bool(stable(failing.scaled(factor)).all()), 1e-4)
+    failing = np.flatnonzero(~family.stable)
+
+    def stable(factor: float) -> BoolArray:
+        return stable_plants(result.model, result.gains, family, failing, factor)
+
+    factor = gain_limit(lambda factor: bool(stable(factor).all()), 1e-4)
     least = family.margins.gain_reduction[FORCE][family.stable]
     if not np.isfinite(factor) or (least >= factor).any():
         return Link(name, float("nan"), None)
-    last = np.flatnonzero(~stable(failing.scaled(1.001 * factor)))
-    at = plant_point(failing.plants, int(last[0]), float("nan")) if len(last) else None
-    return Link(name, factor, at)
+    last = failing[~stable(1.001 * factor)]
+    return Link(name, factor, family.point(int(last[0]), float("nan")) if len(last) else None)

@@ -15,6 +15,7 @@ from mptune.loops.broken import position_loop, velocity_loop
 from mptune.loops.force_dynamics import force_dynamics
 from mptune.loops.position import position_error
 from mptune.loops.velocity import error_of_factors, nominal_velocity
+from mptune.summary import tuple_text
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
@@ -38,6 +39,10 @@ class Sides(NamedTuple):
     def ratio(self) -> FloatArray:
         """``(2, F)``: left over right."""
         return np.asarray(self.left / self.right)
+
+    def __repr__(self) -> str:
+        """Return shape and range of each field."""
+        return tuple_text(self)
 
 
 @kernel

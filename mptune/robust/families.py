@@ -10,10 +10,12 @@ from mptune.arrays import FloatArray, frozen
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.sampled import stable_as_sampled
 from mptune.loops.stability import PoleCount, count_unstable_poles
+from mptune.robust.family import Family
 from mptune.robust.margins import Margins, family_margins, sampled_margins
-from mptune.robust.result import Family
 
 if TYPE_CHECKING:
+    from mptune.arrays import BoolArray, IntArray
+    from mptune.params.controller import Gains
     from mptune.params.pack import LoopGains, Plants
     from mptune.robust.model import LinearModel
 
@@ -36,6 +38,38 @@ def true_family(model: LinearModel, gains: LoopGains, path: str, omega: FloatArr
         margins = member_margins(members, gains, loops.path)
         parts.append(_part(path, members.plants(), counts, margins, members.names))
     return parts[0] if len(parts) == 1 else parts[0].joined(parts[1])
+
+
+def stable_plants(
+    model: LinearModel, gains: Gains, family: Family, rows: IntArray, factor: float
+) -> BoolArray:
+    """Return whether some plants of a family are certainly stable with K_P,vel multiplied.
+
+    Parameters
+    ----------
+    model, gains
+        The linear model and the gains that the family was judged with.
+    family
+        The family; with or without measurement path, or as it runs.
+    rows
+        Numbers of plants of the family.
+    factor
+        Factor on K_P,vel, and with it on all of F_ref.
+    """
+    box = family.plants.number - len(family.responses)
+    of_box, of_members = rows[rows < box], rows[rows >= box] - box
+    if family.path == "sampled":
+        loops = model.as_it_runs(gains, family.plants.picked(of_box)).scaled(factor)
+        return stable_as_sampled(loops, model.period)[0]
+    path = model.path_of(family.path)
+    loops = model.loops(gains, path, family.plants.picked(of_box)).scaled(factor)
+    stable = count_unstable_poles(loops).stable
+    if model.members is None or not len(of_members):
+        return stable
+    from mptune.robust.measured_loops import count_members
+
+    counted = count_members(FORCE, model.members, loops.gains, path)
+    return np.concatenate([stable, counted.stable[of_members]])
 
 
 def _part(

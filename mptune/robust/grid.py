@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 
 FREQUENCIES = 400  # of the first grid
 _TAIL_RATIO = 0.05  # above the grid no left/right ratio can exceed this
+_OCTAVES = 60  # at most, that the tail of Eq. 21 is followed
 
 
 def frequency_range(plants: Plants, nominal: NominalPlant, gains: LoopGains) -> tuple[float, float]:
@@ -19,7 +20,7 @@ def frequency_range(plants: Plants, nominal: NominalPlant, gains: LoopGains) -> 
 
     The lowest stands a factor of 50 below the slowest corner of loop and controller. Above the
     highest, Eq. 17's ratio is certainly small: |Δ_vel| ≤ 1 + m_min/m as |G_F| ≤ 1, and
-    |L/(1 + L)| ≤ |L|/(1 − |L|) with |L| ≤ K_P,vel/(m_min ω).
+    |L/(1 + L)| ≤ |L|/(1 − |L|) with |L| ≤ K_P,vel/(m_min ω). So is Eq. 21's, see below.
     """
     crossover = gains.k_p_vel / nominal.mass
     slowest = [gains.k_p_vel / float(plants.mass.max()), gains.omega, 1 / gains.tau]
@@ -27,8 +28,29 @@ def frequency_range(plants: Plants, nominal: NominalPlant, gains: LoopGains) -> 
         slowest.append(gains.k_p_pos)
         slowest.append(gains.k_i_pos / gains.k_p_pos or gains.k_p_pos)
     error = 1 + nominal.mass / float(plants.mass.min())
-    highest = crossover * (1 + error / _TAIL_RATIO)
-    return min(slowest) / 50, max(highest, 10 / gains.tau)
+    highest = max(crossover * (1 + error / _TAIL_RATIO), 10 / gains.tau)
+    for _ in range(_OCTAVES):
+        if _position_tail(highest, crossover, error, gains) <= _TAIL_RATIO:
+            break
+        highest *= 2
+    return min(slowest) / 50, highest
+
+
+def _position_tail(omega: float, crossover: float, error: float, gains: LoopGains) -> float:
+    """Return a bound of Eq. 21's ratio at ω [rad/s] and beyond; infinite where there is none.
+
+    With |L_v| ≤ crossover/ω and |G_P| ≤ C, the nominal loop is at most q = C/(ω (ω/crossover − 1))
+    and Δ_pos at most the velocity error over 1 − μ crossover/ω.
+    """
+    corner, damping = gains.omega, 2 * gains.xi / gains.omega
+    shape = (1 / corner**2 + damping / omega + 1 / omega**2) / gains.tau**2
+    controller = gains.k_p_pos * shape + gains.k_i_pos / omega
+    if omega <= 2 * crossover * max(error - 1, 1.0):
+        return np.inf
+    loop = controller / (omega * (omega / crossover - 1))
+    if loop >= 1:
+        return np.inf
+    return error / (1 - (error - 1) * crossover / omega) * loop / (1 - loop)
 
 
 def first_grid(low: float, high: float) -> FloatArray:

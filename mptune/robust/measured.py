@@ -18,6 +18,7 @@ import numpy as np
 from mptune.loops.position import position_error
 from mptune.loops.velocity import error_of_factors
 from mptune.params.pack import Plants
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -27,8 +28,8 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
 
 
-@dataclass(frozen=True)
-class ForceResponse:
+@dataclass(frozen=True, repr=False)
+class ForceResponse(Summarised):
     """One measured response from force reference to force.
 
     Attributes
@@ -37,17 +38,28 @@ class ForceResponse:
         Its file's name.
     omega, response
         ``(K,)`` measured frequencies [rad/s], rising, and the complex response there.
+    phase
+        ``(K,)`` its phase [rad] as it was followed; None where it is to be unwrapped.
     """
 
     name: str
     omega: FloatArray
     response: ComplexArray
+    phase: FloatArray | None = None
+
+    @property
+    def headline(self) -> str:
+        """Name and band."""
+        band = f"{self.omega[0]:.4g} … {self.omega[-1]:.4g} rad/s"
+        return f"Measured response {self.name}: {len(self.omega)} points, {band}"
 
     @cached_property
     def _logarithm(self) -> FloatArray:
-        """``(2, K)``: log-magnitude and unwrapped phase."""
-        phase = np.unwrap(np.angle(self.response))
-        phase -= 2 * np.pi * np.rint(phase[0] / (2 * np.pi))
+        """``(2, K)``: log-magnitude and phase."""
+        phase = self.phase
+        if phase is None:
+            phase = np.unwrap(np.angle(self.response))
+            phase = phase - 2 * np.pi * np.rint(phase[0] / (2 * np.pi))
         return np.stack([np.log(np.abs(self.response)), phase])
 
     @cached_property
@@ -74,22 +86,38 @@ class ForceResponse:
     def doubt(self) -> FloatArray:
         """``(K − 1,)``: how far G may be off between neighbouring points, relative to |G|.
 
-        Each point is left out in turn and interpolated from its two neighbours. The steps are then
-        twice as wide and the error about four times as large, so that this errs on the safe side.
         Infinite where the phase turns by more than 90° in a step: it may have turned the other way.
+        """
+        off = self._left_out
+        turned = np.abs(np.diff(self._logarithm[1])) > np.pi / 2
+        return np.where(turned, np.inf, _per_step(np.abs(np.exp(off[0] + 1j * off[1]) - 1)))
+
+    @cached_property
+    def magnitude_doubt(self) -> FloatArray:
+        """``(K − 1,)``: how far |G| may be off between neighbouring points, relative to |G|."""
+        return _per_step(np.abs(np.expm1(self._left_out[0])))
+
+    @cached_property
+    def _left_out(self) -> FloatArray:
+        """``(2, K − 2)``: how far off log-magnitude and phase are when a point is left out.
+
+        Each point is interpolated from its two neighbours. The steps are then twice as wide and the
+        error about four times as large, so that this errs on the safe side.
         """
         place, logarithm = np.log(self.omega), self._logarithm
         share = (place[1:-1] - place[:-2]) / (place[2:] - place[:-2])
         guessed = logarithm[:, :-2] + share * (logarithm[:, 2:] - logarithm[:, :-2])
-        off = guessed - logarithm[:, 1:-1]
-        error = np.abs(np.exp(off[0] + 1j * off[1]) - 1)
-        error = np.concatenate([error[:1], error, error[-1:]])
-        turned = np.abs(np.diff(logarithm[1])) > np.pi / 2
-        return np.where(turned, np.inf, np.maximum(error[:-1], error[1:]))
+        return np.asarray(guessed - logarithm[:, 1:-1])
 
 
-@dataclass(frozen=True)
-class Members:
+def _per_step(error: FloatArray) -> FloatArray:
+    """Return the larger error of each step's two points; an end errs like its neighbour."""
+    padded = np.concatenate([error[:1], error, error[-1:]])
+    return np.asarray(np.maximum(padded[:-1], padded[1:]))
+
+
+@dataclass(frozen=True, repr=False)
+class Members(Summarised):
     """Measured responses times masses, the masses running fastest.
 
     Attributes
@@ -105,6 +133,12 @@ class Members:
     responses: tuple[ForceResponse, ...]
     masses: FloatArray
     instead: bool
+
+    @property
+    def headline(self) -> str:
+        """How many members there are, and where they stand."""
+        place = "instead of" if self.instead else "beside"
+        return f"{len(self)} measured members {place} the box"
 
     def __len__(self) -> int:
         """Return R × M."""
@@ -158,7 +192,8 @@ def members_of(study: ResolvedStudy, plants: Plants) -> Members | None:
     responses = []
     for one in box.measured:
         omega, real, imaginary = np.array(one.rows).T
-        responses.append(ForceResponse(one.name, omega, real + 1j * imaginary))
+        phase = np.array(one.phases) if one.phases else None
+        responses.append(ForceResponse(one.name, omega, real + 1j * imaginary, phase))
     return Members(tuple(responses), np.unique(plants.mass), box.measured_place == "instead")
 
 

@@ -10,8 +10,8 @@ the band leaves out is closed so:
   measured it.
 
 Where this is not so, where interpolation could be off by as much as the distance to the critical
-point, or where the phase turns by more than 90° between points, the count is undecided and counts
-as not stable. Margins are those within the band.
+point, or where the phase turns by more than 90° between points and the loop is not certainly below
+1, the count is undecided and counts as not stable. Margins are those within the band.
 """
 
 from __future__ import annotations
@@ -23,9 +23,9 @@ import numpy as np
 from mptune.arrays import ComplexArray, FloatArray, frozen, kernel
 from mptune.loops.broken import loop_around
 from mptune.loops.family import FamilyLoops, nominal_plants
-from mptune.loops.stability import PoleCount
+from mptune.loops.stability import PoleCount, poles_of_turns
 from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant
-from mptune.robust.margins import Margins
+from mptune.robust.margins import Margins, measured_margins
 
 if TYPE_CHECKING:
     from mptune.robust.measured import ForceResponse, Members
@@ -92,21 +92,24 @@ def _count(
     s = np.concatenate([below, 1j * fine])
     force = np.concatenate([_continued(response, below), response.at(fine)])
     loop = _loops(which, s, force, mass, gains, path)
-    doubt = np.full(len(s), _OFF_BELOW)
-    doubt[len(below) :] = np.append(np.repeat(response.doubt, _FINE), response.doubt[-1])
-    distance = np.abs(1 + loop)
+    doubt, of_magnitude = np.full((2, len(s)), _OFF_BELOW)
+    doubt[len(below) :] = _along(response.doubt)
+    of_magnitude[len(below) :] = _along(response.magnitude_doubt)
+    size, distance = np.abs(loop), np.abs(1 + loop)
     turned = np.angle((1 + loop[1:]) / (1 + loop[:-1]))
-    poles = -(turned.sum() - np.angle(1 + loop[-1])) / np.pi  # twice the half contour, over 2π
-    whole = round(poles)
     decided = (
-        np.all(doubt * np.abs(loop) < distance)
+        np.all((doubt * size < distance) | ((1 + of_magnitude) * size < 1))
         and np.all(np.abs(turned) < np.pi / 2)
         and abs(loop[len(below)]) > 2
         and abs(loop[-1]) < 0.5
-        and abs(poles - whole) < 1e-3
-        and whole >= 0
     )
-    return max(whole, 0), bool(decided)
+    count = poles_of_turns(turned.sum(keepdims=True), 1 + loop[-1:], np.array([decided]))
+    return max(int(count.unstable[0]), 0), bool(count.decided[0])
+
+
+def _along(doubt: FloatArray) -> FloatArray:
+    """Return a figure of each measured step at every point of the fine grid."""
+    return np.append(np.repeat(doubt, _FINE), doubt[-1])
 
 
 def _continued(response: ForceResponse, s: ComplexArray) -> ComplexArray:
@@ -135,49 +138,9 @@ def _start(
 
 def member_margins(members: Members, gains: LoopGains, path: MeasurementPath) -> Margins:
     """Return the margins of every member within its band, three loops by M members each."""
-    table = np.empty((3, len(members), len(Margins._fields)))
-    for place, response in enumerate(members.responses):
+    rows = []
+    for response in members.responses:
         omega = fine_grid(response)
-        force, axis = response.at(omega), np.asarray(1j * omega, np.complex128)
-        for row, mass in enumerate(members.masses):
-            for which in range(3):
-                loop = _loops(which, axis, force, mass, gains, path)
-                table[which, place * len(members.masses) + row] = margins_of_curve(omega, loop)
-    return Margins(*np.moveaxis(table, 2, 0))
-
-
-def margins_of_curve(omega: FloatArray, loop: ComplexArray) -> FloatArray:
-    """Return the margins of one loop gain, in the order of ``Margins``, from a fine curve.
-
-    Peaks are those of the points and crossings lie on the chords between them: both err by the
-    square of the step.
-    """
-    row = np.full(len(Margins._fields), np.nan)
-    sizes = (1 / np.abs(1 + loop), np.abs(loop / (1 + loop)), 0.5 * np.abs((1 - loop) / (1 + loop)))
-    for column, size in zip((0, 2, 12), sizes, strict=True):
-        row[column : column + 2] = size.max(), omega[np.argmax(size)]
-    row[12] = 1 / row[12]
-    row[4], row[6], row[8], row[10] = np.inf, 0.0, np.inf, np.inf
-    at, gain = _crossings(omega, loop, loop.imag)
-    factor = -1 / gain.real
-    for column, kept in ((4, factor >= 1), (6, (factor > 0) & (factor < 1))):
-        if kept.any():
-            best = factor[kept].min() if column == 4 else factor[kept].max()
-            row[column : column + 2] = best, at[kept][factor[kept] == best][0]
-    at, gain = _crossings(omega, loop, np.log(np.abs(loop)))
-    if len(at):
-        lag = (np.angle(gain) + np.pi) % (2 * np.pi)
-        phase, delay = np.minimum(lag, 2 * np.pi - lag), lag / at
-        row[8:10] = phase.min(), at[np.argmin(phase)]
-        row[10:12] = delay.min(), at[np.argmin(delay)]
-    return row
-
-
-def _crossings(
-    omega: FloatArray, loop: ComplexArray, height: FloatArray
-) -> tuple[FloatArray, ComplexArray]:
-    """Return frequencies and loop gains where ``height`` crosses zero."""
-    low = np.flatnonzero((height[:-1] < 0) != (height[1:] < 0))
-    share = height[low] / (height[low] - height[low + 1])
-    at = omega[low] + share * (omega[low + 1] - omega[low])
-    return at, loop[low] + share * (loop[low + 1] - loop[low])
+        force = response.at(omega)
+        rows += [measured_margins(omega, force, mass, gains, path) for mass in members.masses]
+    return Margins(*np.moveaxis(np.stack(rows, axis=1), 2, 0))

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.loops.broken import FORCE
+from mptune.errors import Fault, InputError
+from mptune.interop import frequency_response
+from mptune.loops.broken import FORCE, NAMES
 from mptune.loops.family import FamilyLoops, nominal_plants, plants_of
 from mptune.params.pack import (
     NO_PATH,
@@ -21,22 +23,29 @@ from mptune.params.pack import (
     pack_nominal,
     pack_path,
 )
+from mptune.robust.at_plant import loop_around_measured, loop_as_it_runs
 from mptune.robust.condition import Sides, nominal_loops, sides
+from mptune.robust.curves import loop_curves
+from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.measured import Members, members_of, whole_family
 from mptune.robust.place import PlantPoint, plant_point
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
+    from control import FrequencyResponseData
+
     from mptune.arrays import ComplexArray, FloatArray, IntArray
     from mptune.params.controller import Gains
     from mptune.params.requirements import RatioCurve, Requirements
     from mptune.params.study import ResolvedStudy
+    from mptune.robust.measured import ForceResponse
 
 PATHS = ("none", "filters")
 """Measurement paths of the continuous loops; the third, ``"sampled"``, is the loop as it runs."""
 
 
-@dataclass(frozen=True)
-class LinearModel:
+@dataclass(frozen=True, repr=False)
+class LinearModel(Summarised):
     """The linear model of one study.
 
     Attributes
@@ -80,6 +89,13 @@ class LinearModel:
         )
 
     @property
+    def headline(self) -> str:
+        """Study, uncertainty set and size of the family."""
+        chosen = self.study.uncertainty_name or "default"
+        size = f"{self.whole_family.number} plants"
+        return f"Linear model of {self.study.name}, uncertainty {chosen}: {size}"
+
+    @property
     def requirements(self) -> Requirements:
         """What the study asks for."""
         return self.study.study.requirements
@@ -93,6 +109,11 @@ class LinearModel:
     def gains(self) -> LoopGains:
         """The study's own gains."""
         return pack_gains(self.study.study.gains)
+
+    @property
+    def path_name(self) -> str:
+        """``"none"`` or ``"filters"``: the path that the study's inequalities include."""
+        return "none" if self.path == NO_PATH else "filters"
 
     @property
     def runs(self) -> bool:
@@ -161,6 +182,98 @@ class LinearModel:
         fields = (at.mass_kg, at.delay_s, at.tau_a_s, at.tau_b_s, self.plants.share_a[0])
         return Plants(*(np.array([value]) for value in fields))
 
+    def to_control(
+        self,
+        gains: Gains | LoopGains | None = None,
+        loop: str = "force",
+        path: str | None = None,
+        plant: PlantPoint | None = None,
+        omega: FloatArray | None = None,
+    ) -> FrequencyResponseData:
+        """Return a loop gain as python-control's object, its dead time exact.
+
+        python-control's transfer functions and state spaces have no dead time but through Padé's
+        approximation. A frequency response holds the values themselves, and so e^{−sd} as it is.
+
+        Parameters
+        ----------
+        gains
+            The gains; the study's own where None.
+        loop
+            Where it is broken: ``"velocity"``, ``"position"`` or ``"force"`` (at F_ref).
+        path
+            Measurement path ``"none"`` or ``"filters"``, that of the study's inequalities where
+            None, or ``"sampled"`` for the loop at F_ref as it runs, in sampled time.
+        plant
+            A plant of the family, a measured one included; the nominal one where None.
+        omega
+            ``(F,)`` frequencies [rad/s]; the first grid of a sweep, or those measured, where None.
+
+        Raises
+        ------
+        InputError
+            If there is no such loop or path, or python-control is not installed.
+        """
+        if loop not in NAMES:
+            raise _no_loop("loop", loop, f"choose {', '.join(NAMES)}")
+        if path not in {None, *PATHS, "sampled"}:
+            raise _no_loop("path", path, f"choose {', '.join(PATHS)} or sampled")
+        packed = self.loops(self.gains if gains is None else gains).gains
+        grid = self._grid(packed, plant, omega)
+        name = f"{loop} loop of {self.study.name}"
+        if path == "sampled":
+            grid = grid[grid <= np.pi / self.period] if omega is None else grid
+            return frequency_response(
+                self._as_it_runs_at(grid, packed, loop, plant), grid, name, self.period
+            )
+        along = self.path if path is None else self.path_of(path)
+        which = NAMES.index(loop)
+        if plant is not None and plant.response is not None:
+            measured = self._response(plant.response)
+            values = loop_around_measured(which, grid, measured, plant.mass_kg, packed, along)
+        else:
+            values = loop_curves(which, grid, self._one(packed, along, plant))[0]
+        return frequency_response(values, grid, name)
+
+    def _one(
+        self, gains: LoopGains, path: MeasurementPath, plant: PlantPoint | None
+    ) -> FamilyLoops:
+        """Return the loop of one plant of the box, or of the nominal one, as a family of one."""
+        return (
+            self.nominal_loop(gains, path)
+            if plant is None
+            else self.loops(gains, path, self.plant(plant))
+        )
+
+    def _grid(
+        self, gains: LoopGains, plant: PlantPoint | None, omega: FloatArray | None
+    ) -> FloatArray:
+        if omega is not None:
+            return np.asarray(omega, np.float64)
+        if plant is not None and plant.response is not None:
+            return self._response(plant.response).omega
+        return first_grid(*frequency_range(self.plants, self.nominal, gains))
+
+    def _response(self, name: str) -> ForceResponse:
+        responses = self.members.responses if self.members else ()
+        for one in responses:
+            if one.name == name:
+                return one
+        known = ", ".join(one.name for one in responses) or "none was measured"
+        raise _no_loop("plant", name, known)
+
+    def _as_it_runs_at(
+        self, omega: FloatArray, gains: LoopGains, loop: str, plant: PlantPoint | None
+    ) -> ComplexArray:
+        if loop != "force" or (plant is not None and plant.response is not None):
+            remedy = 'ask loop="force" of a plant of the box, or another path'
+            raise _no_loop("path", "sampled", remedy)
+        one = self._one(gains, self.filters, plant)
+        if one.plants.delay[0] < self.period / 2:
+            remedy = f"it needs a total delay of at least {self.period / 2:g} s"
+            raise _no_loop("path", "sampled", remedy)
+        return loop_as_it_runs(omega, one, self.period)
+
     def corners(self) -> IntArray:
         """Return the plants with the least or largest mass, all lags smallest or all largest."""
         plants = self.plants
@@ -169,3 +282,7 @@ class LinearModel:
         large = np.all(lags == lags.max(axis=1, keepdims=True), axis=0)
         light, heavy = plants.mass == plants.mass.min(), plants.mass == plants.mass.max()
         return np.flatnonzero((small | large) & (light | heavy))
+
+
+def _no_loop(key: str, value: str | None, remedy: str) -> InputError:
+    return InputError("to_control", Fault(key, repr(value), "names no loop of the model", remedy))

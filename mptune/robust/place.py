@@ -7,6 +7,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.summary import Summarised
+
 if TYPE_CHECKING:
     from mptune.params.pack import Plants
 
@@ -17,7 +19,7 @@ def finite(value: float) -> float | None:
 
 
 @dataclass(frozen=True)
-class PlantPoint:
+class PlantPoint(Summarised):
     """A plant of the family at a frequency.
 
     A measured member has the name of its ``response``, and neither delay nor lags of its own: NaN.
@@ -29,6 +31,19 @@ class PlantPoint:
     tau_b_s: float
     frequency_rad_s: float
     response: str | None = None
+
+    @property
+    def headline(self) -> str:
+        """The plant and the frequency in one line."""
+        text = f"{self.mass_kg / 1e3:g} t, " + (
+            f"measured {self.response}"
+            if self.response
+            else f"d {1e3 * self.delay_s:.4g} ms, "
+            f"τ {1e3 * self.tau_a_s:.3g}/{1e3 * self.tau_b_s:.3g} ms"
+        )
+        if np.isnan(self.frequency_rad_s):
+            return text
+        return f"{text}, ω {self.frequency_rad_s:.3g} rad/s"
 
     def values(self) -> dict[str, float | str | None]:
         """Return the fields by name, as JSON has them; ``response`` of measured members only."""

@@ -4,21 +4,29 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from mptune.arrays import frozen
-from mptune.loops.broken import FORCE
+from mptune.certify.result import Grounds
+from mptune.errors import Fault, InputError
+from mptune.interop import Drawn, Labelled
 from mptune.loops.family import derived_time_constants
-from mptune.robust.place import PlantPoint, finite, plant_point
+from mptune.robust.certificates import Certificates, bound_json
+from mptune.robust.place import PlantPoint, finite
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
-    from mptune.arrays import BoolArray, FloatArray, IntArray
+    from collections.abc import Mapping
+
+    from control import FrequencyResponseData
+
+    from mptune.arrays import FloatArray, IntArray
+    from mptune.certify.result import Bound
     from mptune.params.controller import Gains
     from mptune.params.pack import Plants
     from mptune.params.study import ResolvedStudy
-    from mptune.robust.margins import Margins
+    from mptune.robust.family import Family
     from mptune.robust.measured import Members
     from mptune.robust.model import LinearModel
 
@@ -34,8 +42,8 @@ class Status(StrEnum):
     NOT_EVALUATED = "not evaluated"  # the study leaves no loop on which it could be checked
 
 
-@dataclass(frozen=True)
-class Condition:
+@dataclass(frozen=True, repr=False)
+class Condition(Summarised):
     """Eq. 17 or Eq. 21 over the family.
 
     Attributes
@@ -51,10 +59,15 @@ class Condition:
     allowed
         ``(F,)`` largest ratio that the study allows.
     worst_ratio, at
-        Largest ratio over plants and frequencies, and where. A finite grid can only miss higher
-        values, so the figure errs on the optimistic side.
+        Largest ratio over plants and frequencies, and where: that of the certificate, polished,
+        where there is one, else the grid's, which can only miss higher values.
     worst_use, worst_use_at
         Largest quotient of ratio and allowed ratio, and where.
+    certified
+        Attained and guaranteed worst ratio over the box; None where measured responses stand in
+        its place.
+    grounds
+        What the status rests on.
     low_frequency_limit
         The worst ratio is the limit of vanishing frequency, |m_min/m − 1|, which no gain changes.
     nominal_stable, poles_equal
@@ -76,6 +89,16 @@ class Condition:
     nominal_stable: bool
     poles_equal: bool
     status: Status
+    certified: Bound | None = None
+    grounds: Grounds = Grounds.GRID
+
+    @property
+    def headline(self) -> str:
+        """Worst ratio, where it is, and the status."""
+        return (
+            f"{self.name}: worst ratio {self.worst_ratio:.4g} at {self.at.headline}: "
+            f"{self.status}, {self.grounds}"
+        )
 
     @property
     def ratio(self) -> FloatArray:
@@ -92,102 +115,82 @@ class Condition:
         """Whether the requirement and the theorem's premises hold."""
         return self.status is Status.SATISFIED
 
+    def json(self) -> dict[str, Any]:
+        """Return the verdict in SI, units in the keys."""
+        return {
+            "worst_ratio": finite(self.worst_ratio),
+            "margin": finite(self.margin),
+            "satisfied": self.satisfied,
+            "status": self.status.value,
+            "nominal_stable": self.nominal_stable,
+            "poles_equal": self.poles_equal,
+            "low_frequency_limit": self.low_frequency_limit,
+            "at": self.at.values(),
+            "certified": bound_json(self.certified) if self.certified else None,
+            "grounds": self.grounds.value,
+        }
+
 
 @dataclass(frozen=True)
-class Family:
-    """The true family's stability and margins, with or without the measurement path.
+class Check(Summarised):
+    """One requirement of the study.
 
     Attributes
     ----------
-    path
-        ``"none"``, ``"filters"``, or ``"sampled"`` for the loop as it runs.
-    plants
-        The box's plants, then the measured members; those alone where they stand instead.
-    velocity_stable, stable
-        ``(N,)`` whether the velocity loop alone and the whole closed loop are stable.
-    decided
-        ``(N,)`` whether both were decided for certain.
-    margins
-        Margins ``(3, N)``, NaN where the loop is not stable.
-    responses
-        Names of the measured responses behind the last plants.
+    key
+        What programs know it by: the requirement's key in the study, ``"unstable_plants"`` for the
+        stability of the true family, which is always asked for.
+    label
+        What people read.
+    limit
+        The limit for print.
+    found, at
+        What was found, and where; None where no plant is responsible.
+    grounds
+        What the status rests on; None where no family is asked.
     """
 
-    path: str
-    plants: Plants
-    velocity_stable: BoolArray
-    stable: BoolArray
-    decided: BoolArray
-    margins: Margins
-    responses: tuple[str, ...] = ()
-
-    @property
-    def unstable_count(self) -> int:
-        """Number of plants whose closed loop is not certainly stable."""
-        return int(np.sum(~self.stable))
-
-    def worst(self, name: str, loop: int) -> tuple[float, PlantPoint | None]:
-        """Return the worst value of one margin in one loop, and where it is.
-
-        The place is None where the margin has no limit. The value is NaN where some plant is
-        unstable: the family then has no such margin.
-        """
-        values = getattr(self.margins, name)[loop]
-        if np.isnan(values).any():
-            return float("nan"), None
-        largest_is_worst = name.endswith("peak") or name == "gain_reduction"
-        index = int(np.argmax(values) if largest_is_worst else np.argmin(values))
-        frequency = self.margins[self.margins._fields.index(name) + 1][loop, index]
-        at = None if np.isnan(frequency) else self._point(index, frequency)
-        return float(values[index]), at
-
-    def first_unstable(self) -> PlantPoint | None:
-        """Return an unstable plant, the one with the least mass and then the largest lags."""
-        index = np.flatnonzero(~self.stable)
-        if len(index) == 0:
-            return None
-        plants = self.plants
-        order = np.lexsort((-plants.tau_a[index], -plants.delay[index], plants.mass[index]))
-        return self._point(int(index[order[0]]), float("nan"))
-
-    def joined(self, members: Family) -> Family:
-        """Return the family with its measured members behind the box's plants."""
-
-        def both(key: str) -> BoolArray:
-            return frozen(np.concatenate([getattr(self, key), getattr(members, key)]))
-
-        margins = zip(self.margins, members.margins, strict=True)
-        return Family(
-            path=self.path,
-            plants=self.plants.followed_by(members.plants),
-            velocity_stable=both("velocity_stable"),
-            stable=both("stable"),
-            decided=both("decided"),
-            margins=type(self.margins)(*(frozen(np.concatenate(pair, axis=1)) for pair in margins)),
-            responses=members.responses,
-        )
-
-    def _point(self, index: int, frequency: float) -> PlantPoint:
-        return plant_point(self.plants, index, frequency, self.responses)
-
-
-@dataclass(frozen=True)
-class Check:
-    """One requirement of the study: its limit, what was found, and where."""
-
-    name: str
+    key: str
+    label: str
     limit: str
     found: float
     status: Status
     at: PlantPoint | None
+    grounds: Grounds | None = None
+
+    @property
+    def headline(self) -> str:
+        """Limit, what was found, and the status."""
+        return f"{self.label} {self.limit}: {self.found:.4g}, {self.status}"
+
+    def json(self) -> dict[str, Any]:
+        """Return the requirement in SI; its label as ``name``."""
+        return {
+            "name": self.label,
+            "limit": self.limit,
+            "found": finite(self.found),
+            "status": self.status.value,
+            "at": self.at.values() if self.at else None,
+            "grounds": self.grounds.value if self.grounds else None,
+        }
 
 
-@dataclass(frozen=True)
-class SweepResult:
+@dataclass(frozen=True, repr=False)
+class SweepResult(Summarised, Drawn, Labelled):
     """Both conditions and the true family's margins for one set of gains.
 
     ``plants`` are those of the box; measured ``members`` stand beside or instead of them.
     """
+
+    drawings: ClassVar[Mapping[str, str]] = {
+        "panels": "mptune.figures.panels:four_panels",
+        "bode": "mptune.figures.bode:bode_plots",
+        "nyquist": "mptune.figures.nyquist:nyquist_plots",
+        "sensitivity": "mptune.figures.sensitivity:sensitivity_functions",
+        "load": "mptune.figures.sensitivity:load_response",
+        "certificates": "mptune.figures.certificates:certified_worst_cases",
+    }
+    dataset: ClassVar[str] = "mptune.robust.store:to_dataset"
 
     model: LinearModel
     gains: Gains
@@ -198,6 +201,7 @@ class SweepResult:
     sampled: Family | None  # as it runs; None where some delay leaves no room for the hold
     noise_gain: float  # N/m, rms of F_ref per rms of position noise
     checks: tuple[Check, ...]
+    certificates: Certificates | None = None
 
     @property
     def study(self) -> ResolvedStudy:
@@ -224,81 +228,71 @@ class SweepResult:
         """Whether every requirement of the study is met."""
         return all(check.status is Status.SATISFIED for check in self.checks)
 
+    @property
+    def headline(self) -> str:
+        """Study, uncertainty set, and whether every requirement is met."""
+        chosen = self.study.uncertainty_name or "default"
+        verdict = "every requirement met" if self.satisfied else "not every requirement met"
+        return f"Sweep of {self.study.name}, uncertainty {chosen}: {verdict}"
+
     def family(self, path: str) -> Family:
-        """Return the true family with the path ``"none"`` or ``"filters"``."""
-        return next(family for family in self.families if family.path == path)
+        """Return the true family with one measurement path.
+
+        Parameters
+        ----------
+        path
+            ``"none"``, ``"filters"``, or ``"sampled"`` for the loop as it runs.
+
+        Raises
+        ------
+        InputError
+            If there is no such family, as where some delay leaves no room for the hold.
+        """
+        found = {family.path: family for family in (*self.families, self.sampled) if family}
+        if path in found:
+            return found[path]
+        rule, remedy = "is no measurement path", f"one of {', '.join(found)}"
+        if path == "sampled":
+            least, half = self.plants.delay.min(), self.model.period / 2
+            rule = (
+                f"has no hold to run with: the least total delay, {least:g} s, is below {half:g} s"
+            )
+            remedy = f"raise uncertainty.delay, which holds half a sampling period, or ask {remedy}"
+        raise InputError(f"sweep of {self.study.name}", Fault("path", repr(path), rule, remedy))
+
+    def to_control(
+        self,
+        loop: str = "force",
+        path: str | None = None,
+        plant: PlantPoint | None = None,
+        omega: FloatArray | None = None,
+    ) -> FrequencyResponseData:
+        """Return a loop gain under the swept gains as python-control's object.
+
+        Parameters
+        ----------
+        loop, path, plant, omega
+            As of ``LinearModel.to_control``: ``plant=result.position.at`` is Eq. 21's worst.
+
+        Raises
+        ------
+        InputError
+            As ``LinearModel.to_control``.
+        """
+        return self.model.to_control(self.gains, loop, path, plant, omega)
 
     def json(self) -> dict[str, Any]:
         """Return the result in SI, units in the keys."""
         values: dict[str, Any] = {}
         for condition in self.conditions:
-            values[condition.name] = {
-                "worst_ratio": condition.worst_ratio,
-                "margin": finite(condition.margin),
-                "satisfied": condition.satisfied,
-                "status": condition.status.value,
-                "nominal_stable": condition.nominal_stable,
-                "poles_equal": condition.poles_equal,
-                "low_frequency_limit": condition.low_frequency_limit,
-                "at": condition.at.values(),
-            }
-        values["true_family"] = {family.path: _family_json(family) for family in self.families}
+            values[condition.name] = condition.json()
+        values["true_family"] = {family.path: family.json() for family in self.families}
         if self.sampled is not None:
-            values["true_family"]["sampled"] = _family_json(self.sampled)
-        values["noise_gain_n_per_m"] = self.noise_gain
-        values["requirements"] = [
-            {
-                "name": check.name,
-                "limit": check.limit,
-                "found": finite(check.found),
-                "status": check.status.value,
-                "at": check.at.values() if check.at else None,
-            }
-            for check in self.checks
-        ]
+            values["true_family"]["sampled"] = self.sampled.json()
+        values |= self.certificates.json() if self.certificates else {"bounds": []}
+        values["noise_gain_n_per_m"] = finite(self.noise_gain)
+        values["requirements"] = [check.json() for check in self.checks]
         values["satisfied"] = self.satisfied
         tau_a, tau_b = derived_time_constants(self.study)  # Eq. 4 and 12, beside the set's own
         values["derived_time_constants"] = {"tau_a_s": list(tau_a), "tau_b_s": list(tau_b)}
         return values
-
-
-@dataclass(frozen=True)
-class MarginFigure:
-    """A margin that is reported: its field, its key in JSON, its label and factor in print."""
-
-    name: str
-    key: str
-    label: str
-    factor: float
-
-
-MARGINS = (
-    MarginFigure("sensitivity_peak", "sensitivity_peak", "M_S", 1.0),
-    MarginFigure("complementary_peak", "complementary_peak", "M_T", 1.0),
-    MarginFigure("gain_margin", "gain_margin", "gain margin", 1.0),
-    MarginFigure("gain_reduction", "gain_reduction", "gain reduction", 1.0),
-    MarginFigure("phase_margin", "phase_margin_rad", "phase margin [°]", 180 / np.pi),
-    MarginFigure("delay_margin", "delay_margin_s", "delay margin [ms]", 1e3),
-    MarginFigure("disk_margin", "disk_margin", "disk margin α", 1.0),
-)
-
-
-def _family_json(family: Family) -> dict[str, Any]:
-    unstable = family.first_unstable()
-    values: dict[str, Any] = {
-        "plants": len(family.stable),
-        "unstable_plants": family.unstable_count,
-        "undecided_plants": int(np.sum(~family.decided)),
-        "unstable_at": unstable.values() if unstable else None,
-    }
-    sampled = family.path == "sampled"
-    for loop, name in enumerate(("velocity_loop", "position_loop", "force_loop")):
-        if sampled and loop != FORCE:
-            continue
-        values[name] = {}
-        for figure in MARGINS:
-            if sampled and figure.name == "delay_margin":
-                continue
-            value, at = family.worst(figure.name, loop)
-            values[name][figure.key] = {"worst": finite(value), "at": at.values() if at else None}
-    return values

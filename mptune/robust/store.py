@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 from typing import TYPE_CHECKING, Any
 
-from mptune.files import write_whole_with
+from mptune.datasets import write_dataset
 from mptune.loops.broken import NAMES
 from mptune.params.gains import version
 
@@ -98,7 +98,7 @@ def _attributes(result: SweepResult) -> dict[str, str]:
     }
 
 
-def write_sweep(path: Path, result: SweepResult) -> Path:
+def write_sweep(path: str | Path, result: SweepResult) -> Path:
     """Write a sweep as NetCDF, whole or not at all.
 
     Raises
@@ -106,5 +106,4 @@ def write_sweep(path: Path, result: SweepResult) -> Path:
     OutputError
         If the file cannot be written.
     """
-    dataset = to_dataset(result)
-    return write_whole_with(path, lambda beside: dataset.to_netcdf(beside, engine="h5netcdf"))
+    return write_dataset(path, to_dataset(result))

@@ -2,30 +2,45 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mptune.arrays import FloatArray, frozen
+from mptune.certify.result import Grounds, Stability
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.noise import noise_gain
 from mptune.loops.stability import PoleCount, count_unstable_poles
+from mptune.robust.certificates import (
+    EQUATION_OF,
+    Certificates,
+    against,
+    certify,
+    place_of,
+    radii_of,
+    use_of_curve,
+)
 from mptune.robust.condition import Sides
 from mptune.robust.families import as_sampled, true_family
 from mptune.robust.grid import first_grid, frequency_range, refinement
 from mptune.robust.model import PATHS, LinearModel
-from mptune.robust.result import Condition, Family, Status, SweepResult
+from mptune.robust.result import Condition, Status, SweepResult
 from mptune.robust.verdict import allowed_ratio, check_requirements
 
 if TYPE_CHECKING:
+    from mptune.certify.result import Bound
     from mptune.params.controller import Gains
     from mptune.params.pack import LoopGains
     from mptune.params.requirements import RatioCurve
     from mptune.params.study import ResolvedStudy
+    from mptune.robust.family import Family
+    from mptune.robust.place import PlantPoint
 
 CONVERGED = 1e-4  # relative change of the worst ratio between refinements
 _NARROW = 1e-3  # of the frequency: a maximum is bracketed at least so closely
 _ROUNDS = 40
+_NOTHING = 1e-12  # a ratio that rounding alone can have
 
 
 def sweep(study: ResolvedStudy | LinearModel, gains: Gains | None = None) -> SweepResult:
@@ -52,8 +67,9 @@ def sweep(study: ResolvedStudy | LinearModel, gains: Gains | None = None) -> Swe
     true = next(family for family in families if model.path_of(family.path) == model.path)
     sampled = as_sampled(model, packed, omega)
     noise = noise_gain(packed, model.filters)
-    premises = _premises(model, packed, true)
-    conditions = _conditions(model, omega, found, converged, premises)
+    proofs = certify(model, packed)
+    premises = _premises(model, packed, true, proofs)
+    conditions = _conditions(model, omega, found, converged, premises, proofs)
     return SweepResult(
         model=model,
         gains=gains,
@@ -63,8 +79,18 @@ def sweep(study: ResolvedStudy | LinearModel, gains: Gains | None = None) -> Swe
         families=families,
         sampled=sampled,
         noise_gain=noise,
-        checks=check_requirements(model.requirements, conditions, true, sampled, noise),
+        checks=check_requirements(model, conditions, true, sampled, noise, proofs),
+        certificates=proofs,
     )
+
+
+def with_radii(swept: SweepResult) -> SweepResult:
+    """Return a sweep with the factors by which its box may grow, where anything is certified."""
+    proofs = swept.certificates
+    if proofs is None:
+        return swept
+    radii = radii_of(proofs, swept.model.path_name)
+    return replace(swept, certificates=replace(proofs, radii=radii))
 
 
 def _refined_sides(
@@ -80,8 +106,11 @@ def _refined_sides(
     for _ in range(_ROUNDS):
         curves = _curves(found, omega, model.limits)
         new = [refinement(omega, curve) for curve in curves]
-        if any(int(np.argmax(curve)) == 0 for curve in curves):
+        tops = {int(np.argmax(curve)) for curve in curves}
+        if 0 in tops:
             new.append(omega[0] / np.array([10.0, 3.0]))  # the worst may lie lower still
+        if len(omega) - 1 in tops:
+            new.append(omega[-1] * np.array([1.5, 3.0, 10.0]))  # or higher
         before = curves.max(axis=1)
         added = np.unique(np.concatenate(new))
         omega = np.concatenate([omega, added])
@@ -110,7 +139,9 @@ def _bracket(omega: FloatArray, curve: FloatArray) -> float:
     worst = int(np.argmax(curve))
     if worst == 0:
         return 0.0  # the limit of vanishing frequency has no lower end
-    return float((omega[min(worst + 1, len(omega) - 1)] - omega[worst - 1]) / omega[worst])
+    if worst == len(omega) - 1:
+        return np.inf  # a maximum at the upper end may lie beyond it
+    return float((omega[worst + 1] - omega[worst - 1]) / omega[worst])
 
 
 def _merged(old: Sides, new: Sides, order: np.ndarray[tuple[int], np.dtype[np.int64]]) -> Sides:
@@ -140,7 +171,9 @@ class _Premise(NamedTuple):
     known: bool
 
 
-def _premises(model: LinearModel, gains: LoopGains, true: Family) -> tuple[_Premise, _Premise]:
+def _premises(
+    model: LinearModel, gains: LoopGains, true: Family, proofs: Certificates | None
+) -> tuple[_Premise, _Premise]:
     """Return the premises of each condition.
 
     The velocity plants of Eq. 14 and 15 have no open-loop pole right of the origin at all, and a
@@ -150,12 +183,23 @@ def _premises(model: LinearModel, gains: LoopGains, true: Family) -> tuple[_Prem
     velocity, position = (
         count_unstable_poles(model.nominal_loop(gains, which=which)) for which in (VELOCITY, FORCE)
     )
-    equal = bool(velocity.stable[0] and true.velocity_stable.all())
-    known = equal or bool(np.any(~true.velocity_stable & true.decided))
+    box = proofs.stable("velocity", model.path_name) if proofs else None
+    failed = box is not None and box.status is Stability.UNSTABLE
+    proved = box is None or box.status is Stability.STABLE
+    equal = bool(velocity.stable[0] and true.velocity_stable.all() and not failed)
+    known = (equal and proved) or failed or bool(np.any(~true.velocity_stable & true.decided))
     return (
         _Premise(velocity, equal=True, known=True),
         _Premise(position, equal=equal, known=known),
     )
+
+
+class _Worst(NamedTuple):
+    """A largest ratio, or use of what is allowed: attained where, proved to be at most what."""
+
+    attained: float
+    at: PlantPoint
+    proved: float  # infinite where nothing is
 
 
 def _conditions(
@@ -164,14 +208,26 @@ def _conditions(
     found: Sides,
     converged: tuple[bool, bool],
     premises: tuple[_Premise, _Premise],
+    proofs: Certificates | None,
 ) -> tuple[Condition, Condition]:
     conditions = []
     for loop, name in enumerate(("velocity", "position")):
-        allowed = allowed_ratio(model.limits[loop], omega)
-        ratio = found.ratio[loop]
-        worst, use = int(np.argmax(ratio)), int(np.argmax(ratio / allowed))
+        limit = model.limits[loop]
+        allowed = allowed_ratio(limit, omega)
+        certified = proofs.of(name, model.path_name, EQUATION_OF[name]) if proofs else None
+        ratio = _on_grid(model, omega, found, loop, found.ratio[loop])
+        use = _on_grid(model, omega, found, loop, found.ratio[loop] / allowed)
+        if proofs is not None and certified is not None:
+            if isinstance(limit, float):
+                certified, _ = against(proofs.problem, certified, limit)
+                ratio = _proved(ratio, certified)
+                use = _Worst(ratio.attained / limit, ratio.at, ratio.proved / limit)
+            else:
+                ratio = _proved(ratio, certified)
+                names = (name, model.path_name, EQUATION_OF[name])
+                use = _proved(use, use_of_curve(proofs.problem, names, limit))
         premise = premises[loop]
-        worst_use = float(ratio[use] / allowed[use])
+        status, grounds = _status(premise, use, converged=converged[loop])
         conditions.append(
             Condition(
                 name=name,
@@ -180,25 +236,50 @@ def _conditions(
                 plant=frozen(found.plant[loop]),
                 plant_ratio=frozen(found.plant_ratio[loop]),
                 allowed=frozen(allowed),
-                worst_ratio=float(ratio[worst]),
-                at=model.point(found.plant[loop, worst], omega[worst]),
-                worst_use=worst_use,
-                worst_use_at=model.point(found.plant[loop, use], omega[use]),
-                low_frequency_limit=worst == 0,
+                worst_ratio=ratio.attained,
+                at=ratio.at,
+                worst_use=use.attained,
+                worst_use_at=use.at,
+                low_frequency_limit=bool(ratio.at.frequency_rad_s <= omega[0]),
                 nominal_stable=bool(premise.nominal.stable[0]),
                 poles_equal=premise.equal,
-                status=_status(premise, worst_use, converged=converged[loop]),
+                status=status,
+                certified=certified,
+                grounds=grounds if certified is None or model.members is None else Grounds.GRID,
             )
         )
     return conditions[0], conditions[1]
 
 
-def _status(premise: _Premise, worst_use: float, *, converged: bool) -> Status:
-    nominal = premise.nominal
+def _on_grid(
+    model: LinearModel, omega: FloatArray, found: Sides, loop: int, values: FloatArray
+) -> _Worst:
+    """Return the grid's largest value, of which nothing is proved."""
+    worst = int(np.argmax(values))
+    at = model.point(int(found.plant[loop, worst]), float(omega[worst]))
+    return _Worst(float(values[worst]), at, np.inf)
+
+
+def _proved(grid: _Worst, certified: Bound) -> _Worst:
+    """Return the certificate's worst case, or the grid's where a measured member is worse."""
+    at = place_of(certified.at)
+    if at is None or (grid.at.response is not None and grid.attained > certified.attained):
+        return grid._replace(proved=max(certified.bound, grid.attained))
+    attained = certified.attained if certified.attained > _NOTHING else 0.0
+    return _Worst(attained, at, certified.bound)
+
+
+def _status(premise: _Premise, use: _Worst, *, converged: bool) -> tuple[Status, Grounds]:
+    """Return how a condition came out, and what that rests on."""
+    nominal, proved = premise.nominal, np.isfinite(use.proved)
     if not nominal.decided[0] or (nominal.stable[0] and not premise.known):
-        return Status.UNDECIDED
+        return Status.UNDECIDED, Grounds.OPEN
     if not nominal.stable[0] or not premise.equal:
-        return Status.UNSTABLE
-    if worst_use > 1:
-        return Status.VIOLATED
-    return Status.SATISFIED if converged else Status.NOT_CONVERGED
+        return Status.UNSTABLE, Grounds.CERTIFIED if proved else Grounds.GRID
+    if use.attained > 1:
+        return Status.VIOLATED, Grounds.CERTIFIED if proved else Grounds.GRID
+    if use.proved <= 1:
+        return Status.SATISFIED, Grounds.CERTIFIED
+    if proved:
+        return Status.UNDECIDED, Grounds.OPEN
+    return Status.SATISFIED if converged else Status.NOT_CONVERGED, Grounds.GRID

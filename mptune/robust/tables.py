@@ -4,31 +4,21 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from mptune.loops.broken import FORCE
-from mptune.robust.result import MARGINS
+from mptune.robust.family import MARGINS
 from mptune.units import number
 
 if TYPE_CHECKING:
+    from mptune.robust.family import MarginFigure
     from mptune.robust.place import PlantPoint
-    from mptune.robust.result import MarginFigure, SweepResult
+    from mptune.robust.result import SweepResult
 
 EQUATIONS = {"velocity": "Eq. 17", "position": "Eq. 21"}
 
 
 def place_text(at: PlantPoint | None) -> str:
     """Return a plant and a frequency in one line for print."""
-    if at is None:
-        return "—"
-    text = f"{at.mass_kg / 1e3:g} t, " + (
-        f"measured {at.response}"
-        if at.response
-        else f"d {1e3 * at.delay_s:.4g} ms, τ {1e3 * at.tau_a_s:.3g}/{1e3 * at.tau_b_s:.3g} ms"
-    )
-    if np.isnan(at.frequency_rad_s):
-        return text
-    return f"{text}, ω {at.frequency_rad_s:.3g} rad/s"
+    return "—" if at is None else at.headline
 
 
 def undecided_text(sweep: SweepResult) -> str | None:

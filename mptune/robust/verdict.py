@@ -6,13 +6,18 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.certify.result import Grounds, Stability
 from mptune.loops.broken import FORCE
-from mptune.robust.result import Check, Condition, Family, Status
+from mptune.robust.certificates import Certificates, against, margin_against, place_of
+from mptune.robust.result import Check, Condition, Status
 from mptune.robust.tables import EQUATIONS
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.params.requirements import RatioCurve, Requirements
+    from mptune.params.requirements import RatioCurve
+    from mptune.robust.family import Family
+    from mptune.robust.model import LinearModel
+    from mptune.robust.place import PlantPoint
 
 
 _MARGIN_CHECKS = (  # key of the requirement, family that it holds for, margin
@@ -35,18 +40,19 @@ def allowed_ratio(limit: float | RatioCurve, omega: FloatArray) -> FloatArray:
 
 
 def check_requirements(
-    requirements: Requirements,
+    model: LinearModel,
     conditions: tuple[Condition, Condition],
     true: Family,
     sampled: Family | None,
     noise: float,
+    proofs: Certificates | None,
 ) -> tuple[Check, ...]:
     """Return every requirement with its status.
 
     Parameters
     ----------
-    requirements
-        What the study asks for.
+    model
+        The linear model, with what the study asks for.
     conditions
         Eq. 17 and Eq. 21.
     true
@@ -55,23 +61,25 @@ def check_requirements(
         The true family as it runs; None where some delay leaves no room for the hold.
     noise
         The noise gain [N/m].
+    proofs
+        What is guaranteed over the box; None where measured responses stand in its place.
     """
+    requirements = model.requirements
     checks = [
         _ratio_check(condition, limit)
-        for condition, limit in zip(
-            conditions, (requirements.velocity_ratio, requirements.position_ratio), strict=True
-        )
+        for condition, limit in zip(conditions, model.limits, strict=True)
     ]
-    checks.append(_stability_check(true))
-    for name, family, margin in _MARGIN_CHECKS:
-        limit = getattr(requirements, name)
+    checks.append(_stability_check(true, proofs))
+    for key, family, margin in _MARGIN_CHECKS:
+        limit = getattr(requirements, key)
         if limit is not None:
-            found = true if family == "true" else sampled
-            checks.append(_margin_check(found, name, margin, limit))
+            asked = true if family == "true" else sampled
+            checks.append(_margin_check(asked, key, margin, limit, proofs))
     if requirements.noise_gain is not None:
         met = noise <= requirements.noise_gain
         status = Status.SATISFIED if met else Status.VIOLATED
-        checks.append(Check("noise_gain", f"≤ {requirements.noise_gain:.4g}", noise, status, None))
+        text = f"≤ {requirements.noise_gain:.4g}"
+        checks.append(Check("noise_gain", "noise_gain", text, noise, status, None))
     return tuple(checks)
 
 
@@ -80,26 +88,63 @@ def _ratio_check(condition: Condition, limit: float | RatioCurve) -> Check:
         text, found, at = f"≤ {limit:g}", condition.worst_ratio, condition.at
     else:
         text, found, at = "≤ 1 of the curve", condition.worst_use, condition.worst_use_at
-    name = f"{condition.name}_ratio ({EQUATIONS[condition.name]})"
-    return Check(name, text, found, condition.status, at)
+    key = f"{condition.name}_ratio"
+    label = f"{key} ({EQUATIONS[condition.name]})"
+    return Check(key, label, text, found, condition.status, at, condition.grounds)
 
 
-def _stability_check(true: Family) -> Check:
-    count = true.unstable_count
+def _stability_check(true: Family, proofs: Certificates | None) -> Check:
+    """Return whether the grid's plants, and all others of the box, are stable."""
+    label, count, at = "unstable plants of the true family", true.unstable_count, None
+    box = proofs.stable("force_reference", true.path) if proofs else None
+    status, grounds = Status.SATISFIED, Grounds.GRID
     if not true.decided.all():
-        status = Status.UNDECIDED
-    else:
-        status = Status.UNSTABLE if count else Status.SATISFIED
-    return Check("unstable plants of the true family", "= 0", count, status, true.first_unstable())
+        status, at = Status.UNDECIDED, true.first_unstable()
+    elif count:
+        status, at = Status.UNSTABLE, true.first_unstable()
+    elif box is not None and box.status is Stability.UNSTABLE:
+        status, count, at = Status.UNSTABLE, 1, place_of(box.witness)
+    elif box is not None and box.status is Stability.UNDECIDED:
+        status, grounds, at = Status.UNDECIDED, Grounds.OPEN, place_of(box.suspect)
+    elif box is not None and not true.responses:
+        grounds = Grounds.CERTIFIED
+    return Check("unstable_plants", label, "= 0", count, status, at, grounds)
 
 
-def _margin_check(family: Family | None, name: str, margin: str, limit: float) -> Check:
+def _margin_check(
+    family: Family | None, key: str, margin: str, limit: float, proofs: Certificates | None
+) -> Check:
     least = margin == "gain_margin"
     text = f"{'≥' if least else '≤'} {limit:g}"
     if family is None:
-        return Check(name, text, float("nan"), Status.NOT_EVALUATED, None)
+        return Check(key, key, text, float("nan"), Status.NOT_EVALUATED, None)
     found, at = family.worst(margin, FORCE)
     if np.isnan(found):
-        return Check(name, text, found, Status.UNSTABLE, family.first_unstable())
-    met = found >= limit if least else found <= limit
-    return Check(name, text, found, Status.SATISFIED if met else Status.VIOLATED, at)
+        return Check(key, key, text, found, Status.UNSTABLE, family.first_unstable(), Grounds.GRID)
+    guaranteed, grounds = found, Grounds.GRID
+    if proofs is not None:
+        attained, guaranteed, place, grounds = _certified_margin(proofs, family.path, margin, limit)
+        if attained < found if least else attained > found:
+            found, at = attained, place
+        if family.responses:  # measured members, of which nothing is proved
+            guaranteed, grounds = found, Grounds.GRID
+    if not np.isfinite(found) and not least:
+        return Check(key, key, text, found, Status.UNSTABLE, at, grounds)
+    broken = found < limit if least else found > limit
+    kept = guaranteed >= limit if least else guaranteed <= limit
+    open_or_kept = Status.SATISFIED if kept else Status.UNDECIDED
+    return Check(key, key, text, found, Status.VIOLATED if broken else open_or_kept, at, grounds)
+
+
+def _certified_margin(
+    proofs: Certificates, path: str, margin: str, limit: float
+) -> tuple[float, float, PlantPoint | None, Grounds]:
+    """Return a margin at F_ref as attained and as guaranteed, its place, and what it rests on."""
+    if margin == "gain_margin":
+        bracket, grounds = margin_against(proofs.problem, margin, limit)
+        return bracket.upper, bracket.lower, place_of(bracket.at), grounds
+    found = proofs.of("force_reference", path, margin)
+    if found is None:
+        raise ValueError(f"{margin} with path {path!r} is not among the certificates")
+    found, grounds = against(proofs.problem, found, limit)
+    return found.attained, found.bound, place_of(found.at), grounds

@@ -33,7 +33,7 @@ _DOUBLINGS = 40
 
 
 @dataclass(frozen=True)
-class Bound:
+class Supremum:
     """The supremum of N closed-loop functions over all frequencies, between two numbers.
 
     Attributes
@@ -56,7 +56,7 @@ class Bound:
     closed: bool
 
 
-def supremum(quotients: Quotients, begin: FloatArray, floor: float, gap: float = GAP) -> Bound:
+def supremum(quotients: Quotients, begin: FloatArray, floor: float, gap: float = GAP) -> Supremum:
     """Return the supremum of |n/d| over all rows and frequencies.
 
     Parameters
@@ -92,7 +92,7 @@ def supremum(quotients: Quotients, begin: FloatArray, floor: float, gap: float =
         left = np.inf
     bound = max(best.bound, beyond, left)
     closed = bound <= max(best.attained * (1 + 2 * gap), floor)
-    return Bound(best.attained, best.frequency, best.row, float(bound), bool(closed))
+    return Supremum(best.attained, best.frequency, best.row, float(bound), bool(closed))
 
 
 class _Best:

@@ -2,22 +2,22 @@
 
 ::
 
-    from mptune.shape import structure
-    from mptune.shape.design import design
+    from mptune import design, pi_structure
 
-    found = design(lambda s: 1 / (s + 1) ** 3, structure.pi(), maximise="k_i", sensitivity_peak=1.4)
+    found = design(lambda s: 1 / (s + 1) ** 3, pi_structure(), maximise="k_i", sensitivity_peak=1.4)
     found.gains  # {"k_p": 0.63, "k_i": 0.325}
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from mptune.errors import Fault, InputError
-from mptune.shape.grids import beyond, common_grid
+from mptune.interop import frequency_response, transfer_function
+from mptune.shape.grids import common_grid
 from mptune.shape.problem import (
     Function,
     Maximise,
@@ -25,26 +25,28 @@ from mptune.shape.problem import (
     Problem,
     WeightedSensitivity,
 )
-from mptune.shape.procedure import ShapeStatus
-from mptune.shape.proofs import FAMILY, NOMINAL, RATIO, Certainty, Proofs, Verdict, loops_of
-from mptune.shape.rational import landmarks
+from mptune.shape.proofs import FAMILY, NOMINAL, RATIO, Proofs, loops_of
 from mptune.shape.responses import response_of
-from mptune.shape.shaping import Shaped, shape_loop
+from mptune.shape.rounds import shape_with_proof
+from mptune.strict import strict
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
 
+    from control import FrequencyResponseData, TransferFunction
+
     from mptune.arrays import FloatArray
+    from mptune.certify.result import Grounds
     from mptune.shape.problem import Curve, Objective, Requirement
+    from mptune.shape.proofs import PeakVerdict
     from mptune.shape.responses import Response
+    from mptune.shape.shaping import Shaped
     from mptune.shape.structure import Structure
 
-_WIDENINGS = 4  # by a decade each
-_ROUNDS = 8  # of shaping, with what the certificate found between the frequencies looked at
 
-
-@dataclass(frozen=True)
-class Design:
+@dataclass(frozen=True, repr=False)
+class Design(Summarised):
     """A designed controller.
 
     Attributes
@@ -68,8 +70,38 @@ class Design:
     gains: dict[str, float]
     shaped: Shaped
     omega: FloatArray
-    verdicts: tuple[Verdict, ...]
-    stability: Certainty
+    verdicts: tuple[PeakVerdict, ...]
+    stability: Grounds
+
+    @property
+    def headline(self) -> str:
+        """The status, and the parameters."""
+        found = ", ".join(f"{name} {value:.6g}" for name, value in self.gains.items())
+        return f"Design: {self.shaped.status}, {found}"
+
+    def json(self) -> dict[str, Any]:
+        """Return parameters, status and requirements, and what of them is certified."""
+        verdicts = [asdict(verdict) for verdict in self.verdicts]
+        proofs = {"stability": self.stability.value, "verdicts": verdicts}
+        return strict({"gains": self.gains, **self.shaped.json(), **proofs})
+
+    def to_control(self) -> TransferFunction | FrequencyResponseData:
+        """Return the controller as python-control's object.
+
+        A transfer function where the structure's functions are fractions, as in all of mptune's
+        own; its frequency response at ``omega`` where they are functions of the user's, whose dead
+        time, if any, a transfer function could only approximate.
+
+        Raises
+        ------
+        InputError
+            If python-control is not installed.
+        """
+        x = self.shaped.parameters
+        if self.structure.denominator:
+            return transfer_function(*self.structure.fraction(x), "controller")
+        values = self.structure.controller(x, self.omega)
+        return frequency_response(values, self.omega, "controller")
 
 
 def design(
@@ -100,7 +132,8 @@ def design(
         ``RationalPlant``, which has exact dead time beside poles and zeros. Of those that know
         their poles and zeros the result is certified.
     structure
-        The controller: ``mptune.shape.structure`` has P, PI, PID, Eq. 22, and takes any basis.
+        The controller: ``mptune.pi_structure`` and others beside it make P, PI, PID and Eq. 22,
+        ``mptune.structure_of`` one of any functions.
     omega
         Frequencies [rad/s]; for functions found from the nominal plant where None. Certificates
         are over all frequencies all the same.
@@ -146,7 +179,7 @@ def design(
     A transfer function of python-control with 0.4 s of dead time::
 
         plant = RationalPlant.of(control.tf([9], [1, 1.2, 9.2, 9]), delay=0.4)
-        found = design(plant, structure.pi(), maximise="k_i", sensitivity_peak=1.4)
+        found = design(plant, pi_structure(), maximise="k_i", sensitivity_peak=1.4)
         found.verdicts[0].bound  # below 1.4 at every frequency
     """
     nominal = response_of(plant, omega, "plant")
@@ -176,66 +209,12 @@ def design(
         requirements=(*wanted, *requirements),
         stable=proofs.stable,
     )
-    problem, shaped, verdicts = _proved(problem, _first(bounded, start), proofs, ratio)
+    problem, shaped, verdicts = shape_with_proof(problem, _first(bounded, start), proofs, ratio)
     if not shaped.stable and proofs.reasons:
         raise InputError("design", *proofs.reasons)
     gains = dict(zip(bounded.names, shaped.parameters.tolist(), strict=True))
     seen = problem.loops[NOMINAL].omega
     return Design(bounded, gains, shaped, seen, verdicts, proofs.stability)
-
-
-def _proved(
-    problem: Problem, start: FloatArray | None, proofs: Proofs, ratio: float | None
-) -> tuple[Problem, Shaped, tuple[Verdict, ...]]:
-    """Shape the loop, certify it, and shape it again with the peaks that were missed."""
-    replaced = False
-    for _ in range(_ROUNDS):
-        problem, shaped = _shaped_to_the_ends(problem, start)
-        replaced |= shaped.start_replaced
-        shaped = replace(shaped, start_replaced=replaced)
-        if not shaped.stable:
-            return problem, _unproven(shaped), ()
-        verdicts = proofs.verdicts(shaped.parameters, problem.peaks, shaped.uses, ratio)
-        if shaped.status is ShapeStatus.INFEASIBLE or all(one.kept for one in verdicts):
-            return problem, shaped, verdicts
-        missed = [1j * one.frequency for one in verdicts if one.attained > one.allowed]
-        if not missed:
-            break
-        problem, start = _refined(problem, landmarks(missed)), shaped.parameters
-    return problem, _unproven(shaped), verdicts
-
-
-def _unproven(shaped: Shaped) -> Shaped:
-    """Return the outcome as not proven, where it is not infeasible anyway."""
-    if shaped.status is ShapeStatus.INFEASIBLE:
-        return shaped
-    return replace(shaped, status=ShapeStatus.UNPROVEN)
-
-
-def _shaped_to_the_ends(problem: Problem, start: FloatArray | None) -> tuple[Problem, Shaped]:
-    """Shape the loop; where it still acts at an end of the grid and more is known, widen it."""
-    shaped = shape_loop(problem, start)
-    replaced = shaped.start_replaced
-    for _ in range(_WIDENINGS):
-        added = [
-            beyond(one, one.gain(shaped.parameters @ problem.structure.response(one.omega)))
-            for one in problem.loops.values()
-            if one.between is not None
-        ]
-        new = np.unique(np.concatenate([np.zeros(0), *added]))
-        if not shaped.stable or not len(new):
-            break
-        problem = _refined(problem, new)
-        shaped = shape_loop(problem, shaped.parameters)
-    return problem, replace(shaped, start_replaced=replaced)
-
-
-def _refined(problem: Problem, added: FloatArray) -> Problem:
-    """Return the problem with frequencies added where plants are known at any."""
-    loops = {
-        name: one.refined(np.setdiff1d(added, one.omega)) for name, one in problem.loops.items()
-    }
-    return replace(problem, loops=loops)
 
 
 def _bounded(

@@ -17,6 +17,7 @@ import numpy as np
 from mptune.arrays import ComplexArray, FloatArray, IntArray
 from mptune.errors import Fault, InputError
 from mptune.shape.cones import Concave, Cone
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from mptune.shape.structure import Structure
@@ -117,8 +118,8 @@ class Peak:
     loops: str
 
 
-@dataclass(frozen=True)
-class Norm:
+@dataclass(frozen=True, repr=False)
+class Norm(Summarised):
     """A bound on (Σ_f weight_f |fixed_f + slope_f·C(jω_f)|²)^½, such as a noise gain.
 
     Attributes

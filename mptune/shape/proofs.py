@@ -8,11 +8,11 @@ mere function or array is judged on the grid, which can only miss and is therefo
 from __future__ import annotations
 
 from dataclasses import dataclass
-from enum import StrEnum
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.certify.result import Grounds
 from mptune.errors import Fault, InputError
 from mptune.shape.certificate import supremum
 from mptune.shape.deviation import Deviation
@@ -39,15 +39,8 @@ _FLOOR = 1e-6  # of what is allowed: bounds below are not asked for
 KEPT = 1e-6  # of a bound, that a figure may be above it
 
 
-class Certainty(StrEnum):
-    """What a verdict rests on."""
-
-    CERTIFIED = "certified"  # a guaranteed bound over all frequencies
-    GRID_ONLY = "grid only"  # the frequencies looked at, which is optimistic
-
-
 @dataclass(frozen=True)
-class Verdict:
+class PeakVerdict:
     """What one requirement over frequency comes to.
 
     Attributes
@@ -65,8 +58,8 @@ class Verdict:
         Where the value is attained [rad/s].
     plant
         Of which plant of the loops.
-    certainty
-        Whether the bound is guaranteed.
+    grounds
+        What the verdict rests on; open where the proof was not finished within its budget.
     """
 
     requirement: str
@@ -75,12 +68,12 @@ class Verdict:
     allowed: float
     frequency: float
     plant: int
-    certainty: Certainty
+    grounds: Grounds
 
     @property
     def kept(self) -> bool:
         """Whether the requirement is proved; on a grid only, whether it holds there."""
-        most = self.bound if self.certainty is Certainty.CERTIFIED else self.attained
+        most = self.attained if self.grounds is Grounds.GRID else self.bound
         return most <= self.allowed * (1 + KEPT)
 
 
@@ -135,9 +128,9 @@ class Proofs:
         ]
 
     @property
-    def stability(self) -> Certainty:
+    def stability(self) -> Grounds:
         """What the verdict on stability rests on."""
-        return Certainty.GRID_ONLY if self._sampled else Certainty.CERTIFIED
+        return Grounds.GRID if self._sampled else Grounds.CERTIFIED
 
     @property
     def reasons(self) -> tuple[Fault, ...]:
@@ -159,7 +152,7 @@ class Proofs:
 
     def verdicts(
         self, x: FloatArray, peaks: Sequence[Peak], uses: Sequence[Use], ratio: float | None
-    ) -> tuple[Verdict, ...]:
+    ) -> tuple[PeakVerdict, ...]:
         """Return a verdict on every peak at parameters that stabilise every loop.
 
         Parameters
@@ -176,7 +169,7 @@ class Proofs:
         found = {use.requirement: use for use in uses}
         return tuple(self._verdict(x, peak, found[peak.name], ratio) for peak in peaks)
 
-    def _verdict(self, x: FloatArray, peak: Peak, use: Use, ratio: float | None) -> Verdict:
+    def _verdict(self, x: FloatArray, peak: Peak, use: Use, ratio: float | None) -> PeakVerdict:
         allowed = 1.0 if callable(peak.largest) else float(peak.largest)
         if ratio is not None and peak.name == RATIO:
             allowed, quotients = ratio, self._deviation(x)
@@ -185,12 +178,13 @@ class Proofs:
         if quotients is None:
             attained = use.quotient * allowed
             place = use.frequency, use.plant
-            return Verdict(peak.name, attained, np.nan, allowed, *place, Certainty.GRID_ONLY)
+            return PeakVerdict(peak.name, attained, np.nan, allowed, *place, Grounds.GRID)
         loops, functions = quotients
         bound = supremum(functions, axis_end(loops), floor=_FLOOR * allowed)
         place = bound.frequency, bound.row
         both = bound.attained, bound.bound
-        return Verdict(peak.name, *both, allowed, *place, Certainty.CERTIFIED)
+        grounds = Grounds.CERTIFIED if bound.closed else Grounds.OPEN
+        return PeakVerdict(peak.name, *both, allowed, *place, grounds)
 
     def _deviation(self, x: FloatArray) -> tuple[RationalLoops, Quotients] | None:
         """Return the family's condition with its loops, None where it is not certified."""

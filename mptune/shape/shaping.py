@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import chain, islice
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -13,6 +13,8 @@ from mptune.shape.active_plants import ActivePlants
 from mptune.shape.problem import Linear, Maximise, Norm, Peak
 from mptune.shape.procedure import Iterate, Procedure, ShapeStatus, Use
 from mptune.shape.starts import integral_starts, stabilising_starts
+from mptune.strict import strict
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from mptune.shape.problem import Problem
@@ -44,8 +46,8 @@ class Relief:
     bound: float
 
 
-@dataclass(frozen=True)
-class Shaped:
+@dataclass(frozen=True, repr=False)
+class Shaped(Summarised):
     """The outcome of a loop shaping.
 
     Attributes
@@ -83,6 +85,24 @@ class Shaped:
     blocking: Use | None
     reliefs: tuple[Relief, ...]
     start_replaced: bool
+
+    @property
+    def headline(self) -> str:
+        """The status and the objective."""
+        return f"{self.status}, objective {self.objective:.6g}"
+
+    def json(self) -> dict[str, Any]:
+        """Return status, requirements and what stands in the way; None for what is not finite."""
+        return strict(
+            {
+                "status": self.status.value,
+                "objective": self.objective,
+                "stable": self.stable,
+                "uses": [asdict(use) for use in self.uses],
+                "blocking": asdict(self.blocking) if self.blocking else None,
+                "reliefs": [asdict(relief) for relief in self.reliefs],
+            }
+        )
 
 
 def shape_loop(problem: Problem, start: FloatArray | None = None) -> Shaped:

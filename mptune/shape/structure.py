@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.errors import Fault, InputError
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -15,8 +16,8 @@ if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray
 
 
-@dataclass(frozen=True)
-class Structure:
+@dataclass(frozen=True, repr=False)
+class Structure(Summarised):
     """A basis of K functions, and what is known of their parameters. The letter K counts them.
 
     Attributes
@@ -41,6 +42,11 @@ class Structure:
     high: tuple[float, ...]
     numerators: tuple[tuple[float, ...], ...] = ()
     denominator: tuple[float, ...] = ()
+
+    @property
+    def headline(self) -> str:
+        """The names of the parameters."""
+        return f"Structure of {', '.join(self.names)}"
 
     def fraction(self, parameters: FloatArray) -> tuple[list[float], list[float]]:
         """Return numerator and denominator of C(s), falling powers of s.
@@ -133,7 +139,13 @@ def pi() -> Structure:
 
 
 def pid(filter_time: float) -> Structure:
-    """Return C = (k_p + k_i/s + k_d s)/(filter_time s + 1) [filter_time in s]."""
+    """Return C = (k_p + k_i/s + k_d s)/(filter_time s + 1).
+
+    Parameters
+    ----------
+    filter_time
+        The filter's time constant [s].
+    """
 
     def filtered(power: int) -> Callable[[ComplexArray], ComplexArray]:
         return lambda s: np.asarray(s**power / (filter_time * s + 1))
@@ -148,6 +160,11 @@ def position(tau: float) -> Structure:
     """Return Eq. 22 at a fixed τ [s].
 
     C = (x_0 + x_1 s + x_2 s²)/(τs + 1)² + x_3/s with x = (K_P, 2ξK_P/ω, K_P/ω², K_I).
+
+    Parameters
+    ----------
+    tau
+        τ [s].
     """
 
     def shaped(power: int) -> Callable[[ComplexArray], ComplexArray]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.errors import Fault
-from mptune.loops.stability import PoleCount
+from mptune.loops.stability import PoleCount, poles_of_turns
 
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, ComplexArray, FloatArray
@@ -18,6 +18,7 @@ _LARGE = 4.0  # |L| at the first frequency of a loop with poles at the origin
 _TAIL = 0.5  # |L| at the last frequency
 _STRAIGHT = np.pi / 4  # largest deviation from the asymptote's angle at the first frequency
 _TURN = np.pi / 6  # of 1 + L, that a step far from −1 may take
+_WITHIN = 0.25  # of a whole number: below the grid the angle is that of the asymptote
 _POINTS = 2000  # of the count where loops are known at any frequency
 _BEYOND = 1e3  # how far below and above the grid that count looks
 
@@ -64,11 +65,8 @@ def count_sampled(loop: ComplexArray, integrators: int, unstable_poles: int = 0)
     distance = 1 + gain
     change = np.angle(distance[:, 1:] / distance[:, :-1]).sum(axis=1)
     start, _ = _start(gain, integrators)
-    poles = unstable_poles - (start + change - np.angle(distance[:, -1])) / np.pi
-    whole = np.rint(poles)
     decided = ~np.any(list(doubts(gain, integrators).values()), axis=0)
-    decided &= (np.abs(poles - whole) < 0.25) & (whole >= 0)
-    return PoleCount(whole.astype(np.int64), decided)
+    return poles_of_turns(start + change, distance[:, -1], decided, unstable_poles, _WITHIN)
 
 
 def doubts(loop: ComplexArray, integrators: int) -> dict[str, BoolArray]:

@@ -4,10 +4,37 @@ from __future__ import annotations
 
 import numpy as np
 
-from mptune.arrays import Complex, kernel
+from mptune.arrays import Complex, FloatArray, kernel
 
-TAPS = np.array([5.0, 3.0, 1.0, -1.0, -3.0, -5.0]) / 35.0  # Eq. 23, times T_S,fast
+WEIGHTS = (5.0, 3.0, 1.0, -1.0, -3.0, -5.0)  # Eq. 23, of filtered positions, newest first
+DIVISOR = 35.0  # Eq. 23, times T_S,fast
+TAPS = np.array(WEIGHTS) / DIVISOR  # Eq. 23, times T_S,fast
 TAPS.setflags(write=False)
+
+
+@kernel
+def differentiated(history: FloatArray, sample_time: float) -> float:
+    """Return the velocity that Eq. 23 reads from filtered positions [m/s].
+
+    Parameters
+    ----------
+    history
+        ``(6,)`` filtered positions, newest first [m].
+    sample_time
+        T_S,fast [s].
+    """
+    velocity = 0.0
+    for tap in range(len(WEIGHTS)):
+        velocity += WEIGHTS[tap] * history[tap]
+    return velocity / (DIVISOR * sample_time)  # Eq. 23
+
+
+@kernel
+def remember(history: FloatArray, position: float) -> None:
+    """Put a filtered position first in its history ``(6,)``; the oldest is forgotten."""
+    for tap in range(len(WEIGHTS) - 1, 0, -1):
+        history[tap] = history[tap - 1]
+    history[0] = position
 
 
 @kernel
@@ -20,5 +47,6 @@ def differentiator_over_s(s: Complex, sample_time: float) -> Complex:
     delay of 2.5 T to first order.
     """
     half = 0.5 * s * sample_time
-    pairs = 5 * np.sinh(5 * half) + 3 * np.sinh(3 * half) + np.sinh(half)
-    return np.exp(-5 * half) * pairs * 2 / (35 * sample_time * s)  # Eq. 23
+    outer, middle, inner = WEIGHTS[:3]
+    pairs = outer * np.sinh(5 * half) + middle * np.sinh(3 * half) + inner * np.sinh(half)
+    return np.exp(-5 * half) * pairs * 2 / (DIVISOR * sample_time * s)  # Eq. 23

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from mptune.arrays import kernel
+from mptune.arrays import Complex, kernel
 
 if TYPE_CHECKING:
     from mptune.params.pack import LoopGains
@@ -46,3 +46,10 @@ def discretise(gains: LoopGains, sampling_period: float) -> DiscreteController:
         (1 - lag) ** 2 / (lag + 1) ** 2,
         gains.k_i_pos * sampling_period / 2,
     )
+
+
+@kernel
+def discrete_response(law: DiscreteController, w: Complex) -> Complex:
+    """Return the response of the discretised Eq. 22 at w = e^{−sT_S} [1/s]."""
+    shaped = (law.b0 + w * (law.b1 + w * law.b2)) / (1 + w * (law.a1 + w * law.a2))
+    return shaped + law.integral * (1 + w) / (1 - w)

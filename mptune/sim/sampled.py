@@ -9,43 +9,44 @@ so cancels; dead zone and stop logic, which are not linear, are left out.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
 from mptune.arrays import FloatArray, frozen, kernel
+from mptune.interop import Drawn
 from mptune.loops.family import time_constants_at
-from mptune.params.pack import (
-    FeedforwardTuple,
-    LoopGains,
-    MeasurementPath,
-    pack_feedforward,
-    pack_filters,
-    pack_gains,
+from mptune.params.pack import Plant, pack_feedforward, pack_filters, pack_gains
+from mptune.signals.differentiator import WEIGHTS, differentiated, remember
+from mptune.signals.outer_loop import (
+    FORCE,
+    NO_LIMITS,
+    OUTER_STATES,
+    force_reference,
+    lag_references,
+    outer_law,
 )
 from mptune.signals.trajectory import reference
-from mptune.signals.tustin import discretise
+from mptune.sim.judge import performance_index
+from mptune.sim.linear_machine import move_on, stride_of
 from mptune.sim.moves import moves_of
+from mptune.strict import strict
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import pandas as pd
+
     from mptune.params.controller import Feedforward, Gains
+    from mptune.params.pack import FeedforwardTuple, LoopGains, MeasurementPath
     from mptune.params.study import ResolvedStudy
 
 _DIVERGED = 20.0  # times the longest move
 
 
-class SampledPlant(NamedTuple):
-    """One linear machine."""
-
-    mass: float  # kg
-    delay: float  # s, valve and computation, the hold not counted
-    tau_a: float  # s
-    tau_b: float  # s
-    share_a: float  # -
-
-
-@dataclass(frozen=True)
-class LinearMove:
+@dataclass(frozen=True, repr=False)
+class LinearMove(Summarised, Drawn):
     """One machine's movement set under the sampled linear controller.
 
     Attributes
@@ -60,6 +61,8 @@ class LinearMove:
         ``(T,)`` traces at T_S,fast in SI; ``force`` is F_ref.
     """
 
+    drawings: ClassVar[Mapping[str, str]] = {"moves": "mptune.figures.moves:move_traces"}
+
     mass_kg: float
     valve_delay_s: float
     oil_bulk_modulus_pa: float
@@ -71,6 +74,47 @@ class LinearMove:
     velocity: FloatArray
     force: FloatArray
 
+    @property
+    def badness(self) -> float:
+        """Performance index [ms]; infinite where the loop is not stable."""
+        return self.performance_index_ms if self.stable else float("inf")
+
+    @property
+    def headline(self) -> str:
+        """The machine and its index."""
+        index = f"index {self.performance_index_ms:.4g} ms" if self.stable else "not stable"
+        return (
+            f"Linear move of {self.mass_kg / 1e3:g} t, oil {self.oil_bulk_modulus_pa / 1e6:g} MPa, "
+            f"valve delay {1e3 * self.valve_delay_s:g} ms: {index}"
+        )
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        return ((self,),)
+
+    def json(self) -> dict[str, Any]:
+        """Return machine and verdict, traces left out; the index keeps §7's unit."""
+        return strict(
+            {
+                "mass_kg": self.mass_kg,
+                "valve_delay_s": self.valve_delay_s,
+                "oil_bulk_modulus_pa": self.oil_bulk_modulus_pa,
+                "stable": self.stable,
+                "performance_index_ms": self.performance_index_ms,
+            }
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return the traces in SI, units in the columns, over time [s]."""
+        import pandas as pd
+
+        columns = {
+            "reference_m": self.reference,
+            "position_m": self.position,
+            "velocity_m_s": self.velocity,
+            "force_n": self.force,
+        }
+        return pd.DataFrame(columns, pd.Index(self.time, name="time_s"))
+
 
 def linear_moves(
     study: ResolvedStudy, gains: Gains | None = None, feedforward: Feedforward | None = None
@@ -78,6 +122,13 @@ def linear_moves(
     """Run the study's movement set on each of its verification machines, linear.
 
     The time constants of pressure follow from Eq. 4 and Eq. 12 at the start position.
+
+    Parameters
+    ----------
+    study
+        The study.
+    gains, feedforward
+        What controls the machines; the study's own where None.
     """
     machine = study.study
     gains = gains or machine.gains
@@ -92,7 +143,8 @@ def linear_moves(
             delay = sum(pair) / 2 + machine.valves.computation_delay[1]
             for modulus in machine.verification.oil_bulk_moduli:
                 tau_a, tau_b = time_constants_at(study, modulus, machine.verification.start)
-                plant = SampledPlant(mass, delay, tau_a, tau_b, machine.cylinder.share_a)
+                held = delay + period / 2
+                plant = Plant(mass, held, tau_a, tau_b, machine.cylinder.share_a)
                 traces = run_linear(
                     plant, pack_gains(gains), path, period, moves.pieces, ahead, ticks
                 )
@@ -113,7 +165,7 @@ def _judge(
     stable = bool(np.isfinite(traces).all() and np.abs(position).max() < limit)
     index = float("nan")
     if stable:
-        index = 1e3 * float(np.abs(wanted - position).max() / np.abs(velocity).max())
+        index = 1e3 * performance_index(wanted - position, velocity)
     return LinearMove(
         mass_kg=mass,
         valve_delay_s=delay,
@@ -129,25 +181,8 @@ def _judge(
 
 
 @kernel
-def _advance(state: FloatArray, force: float, plant: SampledPlant, step: float) -> None:
-    """Advance side A, side B, velocity and position exactly under a constant force reference."""
-    mean_once, mean_twice = 0.0, 0.0
-    for side in range(2):
-        share = plant.share_a if side == 0 else 1 - plant.share_a
-        tau = plant.tau_a if side == 0 else plant.tau_b
-        gap = state[side] - force
-        factor = np.exp(-step / tau) if tau > 0 else 0.0
-        faded = tau * (1 - factor)
-        mean_once += share * (force * step + gap * faded)
-        mean_twice += share * (force * step * step / 2 + gap * tau * (step - faded))
-        state[side] = force + gap * factor
-    state[3] += step * state[2] + mean_twice / plant.mass
-    state[2] += mean_once / plant.mass
-
-
-@kernel
 def run_linear(
-    plant: SampledPlant,
+    plant: Plant,
     gains: LoopGains,
     path: MeasurementPath,
     period: float,
@@ -160,7 +195,8 @@ def run_linear(
     Parameters
     ----------
     plant, gains, path
-        The machine, the gains, and the measurement path at T_S,fast.
+        The plant, whose delay holds T_S/2 for the hold, the gains, and the measurement path at
+        T_S,fast.
     period
         T_S [s].
     pieces
@@ -172,45 +208,31 @@ def run_linear(
     """
     fast, pole = path.sample_time, path.filter_pole
     every = round(period / fast)
-    whole = int(plant.delay / fast + 1e-9)
-    within = max(plant.delay - whole * fast, 0.0)  # of a tick, where a new reference arrives
-    law = discretise(gains, period)
+    delay = plant.delay - period / 2  # valve and computation
+    whole = int(delay / fast + 1e-9)
+    within = max(delay - whole * fast, 0.0)  # of a tick, where a new reference arrives
+    whole_tick = stride_of(plant, fast)
+    before_it, after_it = stride_of(plant, within), stride_of(plant, fast - within)
+    law = outer_law(gains, ahead, period, 0.0, NO_LIMITS)
     commands = np.zeros(ticks // every + 2)
     traces = np.empty((4, ticks))
     state = np.zeros(4)  # side A, side B, velocity, position
-    history = np.zeros(6)  # filtered positions, newest first
-    before, applied, given = 0.0, 0.0, 0.0
-    lag1, lag2, integral, last_error = 0.0, 0.0, 0.0, 0.0
-    lagged, lagged_velocity = 0.0, 0.0
+    outer, history = np.zeros(OUTER_STATES), np.zeros(len(WEIGHTS))
+    last, applied = 0.0, 0.0
     for tick in range(ticks):
         r, v_ref, a_ref = reference(tick * fast, pieces)
-        lagged = ahead.reference_pole * lagged + (1 - ahead.reference_pole) * r
-        kept = ahead.velocity_reference_pole
-        lagged_velocity = kept * lagged_velocity + (1 - kept) * v_ref
-        for tap in range(5, 0, -1):
-            history[tap] = history[tap - 1]
-        history[0] = pole * history[1] + (1 - pole) * before  # median: one sample late
-        before = state[3]
+        lag_references(outer, law, r, v_ref)
+        remember(history, pole * history[0] + (1 - pole) * last)  # median: one sample late
+        last = state[3]
         if tick % every == 0:
-            measured = 0.0
-            for tap in range(6):
-                measured += (5.0, 3.0, 1.0, -1.0, -3.0, -5.0)[tap] * history[tap]
-            measured /= 35 * fast  # Eq. 23
-            error = lagged - history[0]
-            shaped = law.b0 * error + lag1
-            lag1 = law.b1 * error - law.a1 * shaped + lag2
-            lag2 = law.b2 * error - law.a2 * shaped
-            integral += law.integral * (error + last_error)
-            last_error = error
-            wanted = lagged_velocity + shaped + integral - measured
-            given = gains.k_p_vel * wanted + ahead.acceleration_mass * a_ref
-            commands[tick // every] = given
+            measured = differentiated(history, fast)
+            commands[tick // every] = force_reference(outer, law, history[0], measured, a_ref)
         traces[0, tick], traces[1, tick] = r, state[3]
-        traces[2, tick], traces[3, tick] = state[2], given
+        traces[2, tick], traces[3, tick] = state[2], outer[FORCE]
         if tick >= whole and (tick - whole) % every == 0:
-            _advance(state, applied, plant, within)
+            move_on(state, plant, applied, before_it)
             applied = commands[(tick - whole) // every]
-            _advance(state, applied, plant, fast - within)
+            move_on(state, plant, applied, after_it)
         else:
-            _advance(state, applied, plant, fast)
+            move_on(state, plant, applied, whole_tick)
     return traces

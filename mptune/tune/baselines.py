@@ -3,13 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from mptune.interop import Drawn
 from mptune.progress import silent
 from mptune.robust.sweep import sweep
+from mptune.strict import strict
+from mptune.summary import Summarised
 from mptune.tune.tuner import Tuner
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from mptune.params.controller import Gains
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
@@ -27,8 +32,8 @@ LABELS = {
 }
 
 
-@dataclass(frozen=True)
-class Baseline:
+@dataclass(frozen=True, repr=False)
+class Baseline(Summarised, Drawn):
     """One controller of the comparison.
 
     Attributes
@@ -39,15 +44,26 @@ class Baseline:
         Of its tuning; None for the study's own gains, which are not tuned.
     """
 
+    drawings: ClassVar[Mapping[str, str]] = {"panels": "mptune.figures.panels:four_panels"}
+
     name: str
     status: TuneStatus | None
     gains: Gains
     figures: Figures
     sweep: SweepResult
 
+    @property
+    def headline(self) -> str:
+        """The controller, its status and index."""
+        status = self.status or "not tuned"
+        return f"{LABELS[self.name]}: {status}, index {1e3 * self.figures.tracking:.4g} ms"
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        return (self.sweep,)
+
     def json(self) -> dict[str, Any]:
         """Return the controller in SI, units in the keys."""
-        return {
+        values = {
             "structure": self.name,
             "status": self.status.value if self.status else None,
             "gains": self.gains.model_dump(),
@@ -56,6 +72,7 @@ class Baseline:
             "position_worst_ratio": self.sweep.position.worst_ratio,
             "figures": self.figures.json(),
         }
+        return strict(values)
 
 
 def baselines(
@@ -66,6 +83,15 @@ def baselines(
     """Return the study's own gains, P, PI and PID tuned alike, and the tuned gains.
 
     Bounds of gains that a structure does not have are not asked of it.
+
+    Parameters
+    ----------
+    study
+        The study.
+    tuned
+        Its tuning, which the others stand beside.
+    progress
+        Told of the stage ``"compare"``.
     """
     own = Baseline("own", None, tuned.before, tuned.figures_before, sweep(study))
     rows, tuner = [own], Tuner(study)

@@ -24,6 +24,8 @@ from mptune.robust.sweep import CONVERGED
 from mptune.robust.verdict import allowed_ratio
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from mptune.arrays import FloatArray, IntArray
     from mptune.params.pack import LoopGains
     from mptune.robust.model import LinearModel
@@ -76,17 +78,23 @@ class Excesses:
         The study's linear model.
     start
         Gains from which frequencies and first plants are chosen.
+    hand
+        By requirement, the logarithm that is kept in hand of its limit: what a certificate found
+        between the frequencies asked.
     """
 
-    def __init__(self, model: LinearModel, start: LoopGains) -> None:
-        self._model = model
+    def __init__(
+        self, model: LinearModel, start: LoopGains, hand: Mapping[str, float] | None = None
+    ) -> None:
+        self._model, self._hand = model, dict(hand or {})
         low, high = frequency_range(model.plants, model.nominal, start)
         self._omega = np.geomspace(low, high, POINTS)
         if model.members is not None:
             self._omega = _with(self._omega, model.members.omega)
         self._coarse = np.geomspace(low, high, _MARGIN_POINTS)
         limit = model.requirements.position_ratio
-        self._allowed = np.log(allowed_ratio(limit, self._omega)) + np.log1p(-_IN_HAND)
+        in_hand = np.log1p(-_IN_HAND) - self._hand.get(POSITION, 0.0)
+        self._allowed = np.log(allowed_ratio(limit, self._omega)) + in_hand
         self._envelope = self._behind(start)
         corners = model.corners()
         members = model.members
@@ -195,7 +203,7 @@ class Excesses:
             limit, at = getattr(model.requirements, name), name.replace("peak", "frequency")
             peak = np.concatenate([getattr(part, name)[FORCE] for part in parts])
             frequency = np.concatenate([getattr(part, at)[FORCE] for part in parts])
-            found.append((name, np.log(peak / limit) + _ROUNDING, frequency))
+            found.append((name, np.log(peak / limit) + self._rounding(name), frequency))
         return found
 
     def _sampled_excesses(
@@ -210,7 +218,8 @@ class Excesses:
         found = []
         if "sampled_sensitivity_peak" in self._of_sampled:
             limit = model.requirements.sampled_sensitivity_peak
-            peak = np.log(margins.sensitivity_peak[FORCE] / limit) + _ROUNDING
+            peak = np.log(margins.sensitivity_peak[FORCE] / limit)
+            peak += self._rounding("sampled_sensitivity_peak")
             peak = np.where(stable, peak, _UNSTABLE)
             found.append(("sampled_sensitivity_peak", peak, margins.sensitivity_frequency[FORCE]))
         if "gain_margin" in self._of_sampled:
@@ -218,9 +227,12 @@ class Excesses:
             # An unstable loop's margin is below 1: the factor that would make it stable.
             factor = np.where(stable, margins.gain_margin[FORCE], margins.gain_reduction[FORCE])
             at = np.where(stable, margins.gain_frequency[FORCE], margins.reduction_frequency[FORCE])
-            over = np.log(limit / np.clip(factor, 1e-3, 1e3)) + _ROUNDING
+            over = np.log(limit / np.clip(factor, 1e-3, 1e3)) + self._rounding("gain_margin")
             found.append(("gain_margin", over, at))
         return found
+
+    def _rounding(self, name: str) -> float:
+        return _ROUNDING + self._hand.get(name, 0.0)
 
     def _noise_excess(self, gains: LoopGains) -> FloatArray:
         limit = self._model.requirements.noise_gain

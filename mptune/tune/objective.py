@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.params.pack import LoopGains, Plants, pack_feedforward
+from mptune.loops.family import FamilyLoops
+from mptune.params.pack import LoopGains, Plant, Plants, pack_feedforward
 from mptune.robust.condition import nominal_loops
 from mptune.sim.moves import distinct_moves
 from mptune.sim.response import load_step, tracking
-from mptune.sim.sampled import SampledPlant, run_linear
+from mptune.sim.sampled import run_linear
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
@@ -118,7 +119,7 @@ class Judge:
         end = _LOAD_TIME / max(gains.k_p_pos, _LOAD_TIME / _LONGEST_LOAD_TIME)
         time = np.linspace(0, end, _LOAD_SAMPLES)
         return np.asarray(
-            np.abs(load_step(plants, model.plants.share_a[0], gains, model.path, time)).max(axis=1)
+            np.abs(load_step(FamilyLoops(plants, gains, model.path), time)).max(axis=1)
         )
 
     def bandwidth(self, gains: LoopGains) -> float:
@@ -159,9 +160,8 @@ class Judge:
 def _continuous(model: LinearModel, plants: Plants, choice: Choice, move: Moves) -> FloatArray:
     time = np.linspace(0, move.duration, _SAMPLES_PER_MOVE + 1)
     wanted = move.sampled(_SAMPLES_PER_MOVE)
-    position, velocity = tracking(
-        plants, model.plants.share_a[0], choice.gains, model.path, time, move.pieces
-    )
+    loops = FamilyLoops(plants, choice.gains, model.path)
+    position, velocity = tracking(loops, time, move.pieces)
     error = np.abs(position - wanted)[:, 1:].reshape(len(plants.mass), BINS, -1).max(axis=2)
     return np.asarray(error / np.abs(velocity).max(axis=1)[:, None])
 
@@ -171,8 +171,7 @@ def _as_sampled(model: LinearModel, plants: Plants, choice: Choice, move: Moves)
     ahead = pack_feedforward(choice.feedforward, fast)
     ticks = round(move.duration / fast) // BINS * BINS
     found = np.empty((len(plants.mass), BINS))
-    for n, (mass, delay, tau_a, tau_b, share_a) in enumerate(zip(*plants, strict=True)):
-        plant = SampledPlant(mass, delay - model.period / 2, tau_a, tau_b, share_a)
+    for n, plant in enumerate(map(Plant._make, zip(*plants, strict=True))):
         wanted, position, velocity, _ = run_linear(
             plant, choice.gains, model.filters, model.period, move.pieces, ahead, ticks
         )

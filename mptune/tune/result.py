@@ -4,11 +4,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from mptune.interop import Drawn
 from mptune.robust.place import finite
+from mptune.strict import strict
+from mptune.summary import Summarised
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
     from mptune.params.controller import Feedforward, Gains
     from mptune.robust.place import PlantPoint
     from mptune.robust.result import SweepResult
@@ -50,7 +55,7 @@ class Blocking:
         """Return the block, as JSON has it."""
         return {
             "requirement": self.requirement,
-            "least_found": self.least_found,
+            "least_found": finite(self.least_found),
             "at": self.at.values() if self.at else None,
             "remedy": self.remedy,
             "reliefs": {one.requirement: finite(one.factor) for one in self.reliefs},
@@ -76,8 +81,8 @@ class Round:
     plants: int
 
 
-@dataclass(frozen=True)
-class TuneResult:
+@dataclass(frozen=True, repr=False)
+class TuneResult(Summarised, Drawn):
     """Tuned gains, with the sweep that judges them over the whole family.
 
     Attributes
@@ -100,6 +105,8 @@ class TuneResult:
         Candidates that the search looked at.
     """
 
+    drawings: ClassVar[Mapping[str, str]] = {"panels": "mptune.figures.panels:four_panels"}
+
     status: TuneStatus
     structure: str
     gains: Gains
@@ -114,9 +121,19 @@ class TuneResult:
     rounds: tuple[Round, ...]
     evaluations: int
 
+    @property
+    def headline(self) -> str:
+        """The status, and the tracking index before and after."""
+        before, after = self.figures_before.tracking, self.figures.tracking
+        index = f"tracking index {1e3 * before:.4g} ms before, {1e3 * after:.4g} ms tuned"
+        return f"Tuning of {self.sweep.study.name} ({self.structure}): {self.status}, {index}"
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        return (self.sweep,)
+
     def json(self) -> dict[str, Any]:
         """Return the result in SI, units in the keys; gains keep the study's keys."""
-        return {
+        values = {
             "status": self.status.value,
             "structure": self.structure,
             "gains": self.gains.model_dump(),
@@ -137,3 +154,4 @@ class TuneResult:
             "blocking": self.blocking.json() if self.blocking else None,
             "evaluations": self.evaluations,
         }
+        return strict(values)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from itertools import chain
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,10 +14,10 @@ from mptune.tune.objective import Judge, weights_of
 from mptune.tune.polish import Polished, Values, polish
 from mptune.tune.result import Concession, Round
 from mptune.tune.space import Choice, Space, space_of
-from mptune.tune.starts import first_points
+from mptune.tune.starts import first_points, screened
 
 if TYPE_CHECKING:
-    from collections.abc import Iterable
+    from collections.abc import Iterable, Mapping
 
     from mptune.arrays import FloatArray
     from mptune.params.section import Range
@@ -28,6 +29,8 @@ if TYPE_CHECKING:
 _ROUNDS = 8
 _REPEATS, _GAINED = 6, 1e-3  # of a polish, and what makes another one worth its while
 _SAME = 1e-4  # of the objective: two starts that end so near have found the same optimum
+_LEAST_STARTS = 5  # before two that agree are believed
+_BROKEN = 20.0  # weight of a broken requirement, as a logarithm, beside the cost's
 _BINDING = 2e-3  # of a logarithm
 _MET = 1e-5  # an excess that counts as none
 _NO_INTEGRAL = 1e-6  # 1/s²: stands for a gain of 0, whose inverse is wanted
@@ -80,6 +83,8 @@ class GainSearch:
         One of ``mptune.tune.space.STRUCTURES``.
     extra
         Bounds that replace the study's.
+    hand
+        What is kept in hand of the requirements, see ``Excesses``.
     """
 
     def __init__(
@@ -90,12 +95,13 @@ class GainSearch:
         largest_velocity_gain: float,
         structure: str = "eq22",
         extra: dict[str, Range] | None = None,
+        hand: Mapping[str, float] | None = None,
     ) -> None:
         self._model, self._judge, self._before = model, judge, before
         self._space = space_of(model, largest_velocity_gain, structure, extra)
         own = model.gains.k_p_vel if self._space.crowded else largest_velocity_gain
         self._start = model.gains._replace(k_p_vel=min(own, largest_velocity_gain))
-        self._required = Excesses(model, self._start)
+        self._required = Excesses(model, self._start, hand)
         self._weights = weights_of(model.study.study.objective)
         self._kept: dict[str, float] = {}  # earlier objectives and the most that they may become
         self._evaluations = 0
@@ -142,7 +148,7 @@ class GainSearch:
         for n, start in enumerate(starts):
             outcomes.append(self._from(start))
             progress("tune", 0.7 * (n + 1) / (n + 2))
-            if _agree(outcomes) and not self._space.crowded:
+            if n + 1 >= _LEAST_STARTS and _agree(outcomes) and not self._space.crowded:
                 break
         best = min(outcomes, key=_rank)
         if not _agree(outcomes):
@@ -192,7 +198,16 @@ class GainSearch:
         if first is not None:
             return [self._space.point(first)]
         kind = max(self._weights, key=lambda kind: self._weights[kind])
-        return first_points(self._model, self._space, self._start, kind)
+        return chain(
+            first_points(self._model, self._space, self._start, kind),
+            screened(self._space, self._merit),
+        )
+
+    def _merit(self, point: FloatArray) -> float:
+        """Return how good a start looks: its cost, and above all what it breaks."""
+        values = self._evaluate(point)
+        broken = max(float(values.excesses.max(initial=-1.0)), 0.0)
+        return float(np.log(max(values.cost, 1e-300))) + _BROKEN * broken
 
     def _from(self, start: FloatArray) -> Polished:
         """Return the outcome from a start, going by the nearest requirements where it must."""

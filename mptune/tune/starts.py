@@ -10,7 +10,7 @@ from mptune.tune.core import Core
 from mptune.tune.space import Choice
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Callable, Iterator
 
     from mptune.arrays import FloatArray
     from mptune.params.controller import Feedforward
@@ -21,6 +21,8 @@ if TYPE_CHECKING:
 _TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved
 _VELOCITY_SHARES = (1.0, 0.6)  # of the study's own velocity gain, where it is free
 _SCATTERED, _SCATTER = 8, 0.8  # random starts where it is free, and how far off, in logarithms
+_SCREENED, _TAKEN = 128, 6  # points looked at all over the space, and starts taken of them
+_APART = 0.2  # of the space's sides: starts nearer to one another lead to the same
 _SMALLER = (0.5, 0.25)  # of the position gains, tried where no convex start is known
 
 
@@ -62,6 +64,30 @@ def _scattered(space: Space, centre: FloatArray) -> Iterator[FloatArray]:
 
     shares = qmc.Sobol(len(centre), rng=np.random.default_rng(0)).random(_SCATTERED)
     yield from np.clip(centre + _SCATTER * (2 * shares - 1), space.low, space.high)
+
+
+def screened(space: Space, merit: Callable[[FloatArray], float]) -> Iterator[FloatArray]:
+    """Yield the best of many points all over the space, each far from those before.
+
+    Local optima abound where single bounds bind, and all starts near the study's own gains may lead
+    to the same poor one.
+    """
+    from scipy.stats import qmc
+
+    if not len(space.names):
+        return
+    shares = qmc.Sobol(len(space.names), rng=np.random.default_rng(0)).random(_SCREENED)
+    points = space.low + shares * (space.high - space.low)
+    order = np.argsort([merit(point) for point in points])
+    taken: list[FloatArray] = []
+    for place in order:
+        near = [np.abs(shares[place] - one).max() < _APART for one in taken]
+        if any(near):
+            continue
+        taken.append(shares[place])
+        yield points[place]
+        if len(taken) == _TAKEN:
+            return
 
 
 def _matched_feedforward(model: LinearModel, space: Space) -> Feedforward:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.certify.result import Grounds
 from mptune.params.controller import Gains
 from mptune.progress import silent
 from mptune.robust.model import LinearModel
@@ -22,11 +24,13 @@ if TYPE_CHECKING:
     from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
-    from mptune.robust.result import SweepResult
+    from mptune.robust.result import Check, SweepResult
     from mptune.tune.objective import Figures
     from mptune.tune.velocity import VelocityGain
 
 
+_TIGHTENED = 8  # times that a certificate may find what the search had missed
+_ACROSS = 2e-5  # logarithm kept in hand where a proof lies across a limit
 _REMEDIES = {  # where the figure itself is not what stands in the way
     Status.NOT_EVALUATED: "some total delay is below half a sampling period: no sampled loop to "
     "ask",
@@ -67,12 +71,11 @@ class Tuner:
     def __init__(self, study: ResolvedStudy) -> None:
         self._study, self._model = study, LinearModel.of(study)
         model, bounds = self._model, study.study.requirements.bounds
+        self._hand: dict[str, float] = {}
         self._own = Choice(model.gains, study.study.feedforward)
         self._judge = Judge(model, self._own)
         self._before = self._judge.figures(self._own)
-        self._velocity = largest_velocity_gain(
-            model, bounds.k_p_vel[1] if bounds.k_p_vel else np.inf
-        )
+        self._velocity = self._largest_velocity_gain()
         self._least = bounds.k_p_vel[0] if bounds.k_p_vel else 0.0
 
     @property
@@ -99,14 +102,30 @@ class Tuner:
         if self.blocked:
             why = _velocity_blocking(self._model, self._velocity)
             return self._result(structure, nothing(self._own), sweep(self._model), why)
-        search, found = self.searched(structure, extra, None, progress)
-        judged = sweep(self._model, _gains(found.choice.gains))
+        search, found, judged = self.certified(structure, extra, None, progress)
         blocking: Blocking | None = None
         if not found.feasible:
             blocking = self._search_blocking(search, found)
         elif not judged.satisfied:
             blocking = _sweep_blocking(judged)
         return self._result(structure, found, judged, blocking)
+
+    def certified(
+        self,
+        structure: str = "eq22",
+        extra: dict[str, Range] | None = None,
+        first: Choice | None = None,
+        progress: Progress = silent,
+    ) -> tuple[GainSearch, Searched, SweepResult]:
+        """Return a search, its outcome and the verdict, searched again until certificates hold."""
+        search, found = self.searched(structure, extra, first, progress)
+        judged = sweep(self._model, _gains(found.choice.gains))
+        for _ in range(_TIGHTENED):
+            if not found.feasible or judged.satisfied or not self._learn(judged):
+                break
+            search, found = self.searched(structure, extra, found.choice, progress)
+            judged = sweep(self._model, _gains(found.choice.gains))
+        return search, found, judged
 
     def searched(
         self,
@@ -117,8 +136,37 @@ class Tuner:
     ) -> tuple[GainSearch, Searched]:
         """Return a search and its outcome, without the whole family's verdict."""
         k_p_vel = self._velocity.k_p_vel
-        search = GainSearch(self._model, self._judge, self._before, k_p_vel, structure, extra)
+        search = GainSearch(
+            self._model, self._judge, self._before, k_p_vel, structure, extra, self._hand
+        )
         return search, search.run(first, progress)
+
+    def _learn(self, judged: SweepResult) -> bool:
+        """Take up what a certificate found that the search had missed; return whether it did.
+
+        The plant joins the family. Where it had joined already, the worst lies between frequencies
+        and what was missed is kept in hand.
+        """
+        missed = [check for check in judged.checks if missed_by(self._model, check) > 0]
+        for check in missed:
+            at = check.at
+            known = True
+            if at is not None and at.response is None and np.isfinite(at.delay_s):
+                one, family = self._model.plant(at), self._model.plants
+                known = bool(np.all([a == b[0] for a, b in zip(family, one, strict=True)], 0).any())
+                if not known:
+                    self._model = replace(self._model, plants=family.followed_by(one))
+            if known:
+                over = missed_by(self._model, check)
+                self._hand[check.key] = self._hand.get(check.key, 0.0) + over
+        self._velocity = self._largest_velocity_gain()
+        return bool(missed)
+
+    def _largest_velocity_gain(self) -> VelocityGain:
+        bounds = self._model.requirements.bounds
+        upper = bounds.k_p_vel[1] if bounds.k_p_vel else np.inf
+        hand = self._hand.get("velocity_ratio", 0.0)
+        return largest_velocity_gain(self._model, upper, hand)
 
     def _result(
         self,
@@ -157,6 +205,21 @@ class Tuner:
         )
 
 
+def missed_by(model: LinearModel, check: Check) -> float:
+    """Return the logarithm by which a requirement on a ratio or margin is missed; 0 where met.
+
+    Where only its certificate lies across the limit, a little.
+    """
+    if check.status is Status.UNDECIDED and check.grounds is Grounds.OPEN:
+        return _ACROSS
+    if check.status is not Status.VIOLATED or not hasattr(model.requirements, check.key):
+        return 0.0
+    limit = getattr(model.requirements, check.key)
+    allowed = limit if isinstance(limit, float) else 1.0
+    over = np.log(check.found / allowed)
+    return float(abs(over)) + _ACROSS if np.isfinite(over) else 0.0
+
+
 def _gains(packed: LoopGains) -> Gains:
     return Gains.model_validate(packed._asdict(), context={"si": True})
 
@@ -189,4 +252,4 @@ def _sweep_blocking(judged: SweepResult) -> Blocking:
     remedy = _REMEDIES.get(
         check.status, f"the best gains found reach {check.found:.3g} where {check.limit} is asked"
     )
-    return Blocking(check.name, check.found, check.at, remedy)
+    return Blocking(check.label, check.found, check.at, remedy)

@@ -43,7 +43,9 @@ class VelocityGain:
     plant: int
 
 
-def largest_velocity_gain(model: LinearModel, upper: float = np.inf) -> VelocityGain:
+def largest_velocity_gain(
+    model: LinearModel, upper: float = np.inf, hand: float = 0.0
+) -> VelocityGain:
     """Return the largest K_P,vel up to which every gain meets Eq. 17's requirement.
 
     With z = 1/K_P,vel and g the inverse of the nominal plant, the requirement at one frequency,
@@ -54,6 +56,8 @@ def largest_velocity_gain(model: LinearModel, upper: float = np.inf) -> Velocity
     ----------
     model
         The study's linear model; the range of frequencies is chosen from its own gains.
+    hand
+        Logarithm kept in hand of the limit beside that.
     upper
         Upper bound of the gain [N s/m]. About half the gain at which the nominal loop turns
         unstable bounds it too, so that a family without uncertainty has an answer.
@@ -66,7 +70,7 @@ def largest_velocity_gain(model: LinearModel, upper: float = np.inf) -> Velocity
     smallest, frequency, plant = 0.0, 0.0, 0
     for _ in range(_ROUNDS):
         found = model.sides(omega, model.gains)
-        need = found.left[0] / (allowed_ratio(limit, omega) * (1 - CONVERGED))
+        need = found.left[0] / (allowed_ratio(limit, omega) * (1 - CONVERGED) * np.exp(-hand))
         root = _larger_root(_inverse_plant(omega, nominal, path), need)
         worst = int(np.argmax(root))
         smallest, frequency = float(root[worst]), float(omega[worst])

@@ -2,16 +2,30 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from enum import StrEnum
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from mptune.interop import Drawn, Labelled, to_pandas
+from mptune.sim.judge import worst_per_mass
+from mptune.sim.merit import MERITS, merit
+from mptune.strict import strict
+from mptune.summary import Summarised
+
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import pandas as pd
+
     from mptune.arrays import FloatArray
-    from mptune.params.controller import Gains
+    from mptune.params.controller import Feedforward, Gains
     from mptune.params.study import ResolvedStudy
+    from mptune.sim.judge import SetFigures
+    from mptune.sim.record import RunRecord
+
+_INDEX = "performance_index_ms"
 
 
 class CaseStatus(StrEnum):
@@ -24,27 +38,8 @@ class CaseStatus(StrEnum):
     NOT_FINITE = "not finite"  # the simulation left the numbers that it can hold
 
 
-@dataclass(frozen=True)
-class SetFigures:
-    """§7's figures of one movement set, in §7's units."""
-
-    performance_index_ms: float  # peak position error over peak velocity
-    energy_loss_j_per_mm: float  # accumulator power less piston power, per travel
-    pump_loss_j_per_mm: float  # pump power less piston power (§7.1), which varies with its phase
-    force_error_integral_kn2s: float  # while the controller is active
-    final_error_mm: float  # largest at the end of a rest
-    peak_velocity_mm_s: float
-    valve_switches: int
-    converter_peak_mm: float
-    pressure_min_mpa: float
-    pressure_max_mpa: float
-    energy_residual: float  # what the energies fail to close by, over the energy put in
-    oscillation: int  # longest run of alternating large velocity deviations
-    saturated_s: float  # time with the force reference at its limit
-
-
-@dataclass(frozen=True)
-class CaseResult:
+@dataclass(frozen=True, repr=False)
+class CaseResult(Summarised):
     """One machine's verification.
 
     Attributes
@@ -53,6 +48,8 @@ class CaseResult:
         The figures of every movement set but the first, which is left out of statistics.
     broken, broken_at_s
         Which limit was broken first, and when; empty and NaN where none was.
+    record
+        The neutral record of the last set.
     traces
         ``(T, 15)`` of the last set, columns as in ``mptune.sim.closed_loop``.
     """
@@ -66,7 +63,24 @@ class CaseResult:
     broken: str
     broken_at_s: float
     sets: tuple[SetFigures, ...]
+    record: RunRecord
     traces: FloatArray
+
+    @property
+    def headline(self) -> str:
+        """The machine, its status and its index."""
+        index = self.mean(_INDEX)
+        return (
+            f"{self.mass_kg / 1e3:g} t, oil {self.oil_bulk_modulus_pa / 1e6:g} MPa, "
+            f"load {self.load_force_n / 1e3:g} kN, seed {self.seed}: {self.status}, "
+            f"index {index:.4g} ms"
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return one row per movement set, in §7's units."""
+        import pandas as pd
+
+        return pd.DataFrame([asdict(one) for one in self.sets])
 
     @property
     def stable(self) -> bool:
@@ -82,41 +96,60 @@ class CaseResult:
         values = [getattr(one, figure) for one in self.sets] or [np.nan]
         return float(min(values)), float(max(values))
 
+    def figure(self, key: str) -> float:
+        """Return what counts of one figure over the sets, as ``mptune.sim.merit`` says."""
+        return merit(key).of_sets(getattr(one, key) for one in self.sets)
+
+    @property
+    def badness(self) -> float:
+        """Mean performance index [ms]; infinite where the loop is not stable, or has none."""
+        index = self.mean(_INDEX)
+        return index if self.stable and np.isfinite(index) else np.inf
+
     def json(self) -> dict[str, Any]:
-        """Return the case; figures keep §7's units, the final error and peaks are the largest."""
-        return {
-            "mass_kg": self.mass_kg,
-            "valve_delay_s": sum(self.valve_delay_s) / 2,
-            "valve_delay_range_s": list(self.valve_delay_s),
-            "oil_bulk_modulus_pa": self.oil_bulk_modulus_pa,
-            "load_force_n": self.load_force_n,
-            "seed": self.seed,
-            "stable": self.stable,
-            "status": self.status.value,
-            "broken": self.broken or None,
-            "broken_at_s": self.broken_at_s,
-            "performance_index_ms": self.mean("performance_index_ms"),
-            "performance_index_range_ms": list(self.span("performance_index_ms")),
-            "energy_loss_j_per_mm": self.mean("energy_loss_j_per_mm"),
-            "pump_loss_j_per_mm": self.mean("pump_loss_j_per_mm"),
-            "force_error_integral_kn2s": self.mean("force_error_integral_kn2s"),
-            "final_error_mm": self.span("final_error_mm")[1],
-            "peak_velocity_mm_s": self.span("peak_velocity_mm_s")[1],
-            "valve_switches": self.mean("valve_switches"),
-            "converter_peak_mm": self.span("converter_peak_mm")[1],
-            "pressure_min_mpa": self.span("pressure_min_mpa")[0],
-            "pressure_max_mpa": self.span("pressure_max_mpa")[1],
-            "energy_residual": self.span("energy_residual")[1],
-        }
+        """Return the case; figures keep §7's units, and what there is none of is None."""
+        return strict(
+            {
+                "mass_kg": self.mass_kg,
+                "valve_delay_s": sum(self.valve_delay_s) / 2,
+                "valve_delay_range_s": self.valve_delay_s,
+                "oil_bulk_modulus_pa": self.oil_bulk_modulus_pa,
+                "load_force_n": self.load_force_n,
+                "seed": self.seed,
+                "stable": self.stable,
+                "status": self.status.value,
+                "broken": self.broken or None,
+                "broken_at_s": self.broken_at_s,
+                **{one.key: self.figure(one.key) for one in MERITS},
+                "performance_index_range_ms": self.span(_INDEX),
+            }
+        )
 
 
-@dataclass(frozen=True)
-class VerifyResult:
+@dataclass(frozen=True, repr=False)
+class VerifyResult(Summarised, Drawn, Labelled):
     """Every machine's verification with one set of gains."""
+
+    drawings: ClassVar[Mapping[str, str]] = {"traces": "mptune.figures.machine:machine_traces"}
+    dataset: ClassVar[str] = "mptune.verify.store:to_dataset"
 
     study: ResolvedStudy
     gains: Gains
+    feedforward: Feedforward
     cases: tuple[CaseResult, ...]
+
+    @property
+    def headline(self) -> str:
+        """Study, and how many machines are stable."""
+        stable = sum(case.stable for case in self.cases)
+        return f"Verification of {self.study.name}: {stable} of {len(self.cases)} machines stable"
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        return (max(self.worst_per_mass(), key=lambda case: case.badness),)
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return one row per machine, columns as in JSON."""
+        return to_pandas(self.cases)
 
     @property
     def satisfied(self) -> bool:
@@ -128,19 +161,10 @@ class VerifyResult:
         return {
             "satisfied": self.satisfied,
             "gains": self.gains.model_dump(),
+            "feedforward": self.feedforward.model_dump(),
             "cases": [case.json() for case in self.cases],
         }
 
     def worst_per_mass(self) -> tuple[CaseResult, ...]:
         """Return for each mass the first case that is not stable, or that with the worst index."""
-        chosen: dict[float, CaseResult] = {}
-        for case in self.cases:
-            known = chosen.get(case.mass_kg)
-            if known is None or _badness(case) > _badness(known):
-                chosen[case.mass_kg] = case
-        return tuple(chosen.values())
-
-
-def _badness(case: CaseResult) -> float:
-    index = case.mean("performance_index_ms")
-    return index if case.stable and np.isfinite(index) else np.inf
+        return worst_per_mass(self.cases)

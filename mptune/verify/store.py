@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.files import write_whole_with
+from mptune.datasets import write_dataset
 from mptune.params.gains import version
 from mptune.sim import closed_loop as loop
 
@@ -63,11 +63,12 @@ def to_dataset(result: VerifyResult) -> xr.Dataset:
         "study_hash": result.study.hash(),
         "mptune_version": version(),
         "gains": json.dumps(result.gains.model_dump()),
+        "feedforward": json.dumps(result.feedforward.model_dump()),
     }
     return xr.Dataset(data, coordinates, attributes)
 
 
-def write_traces(path: Path, result: VerifyResult) -> Path:
+def write_traces(path: str | Path, result: VerifyResult) -> Path:
     """Write the traces as NetCDF, whole or not at all.
 
     Raises
@@ -75,5 +76,4 @@ def write_traces(path: Path, result: VerifyResult) -> Path:
     OutputError
         If the file cannot be written.
     """
-    dataset = to_dataset(result)
-    return write_whole_with(path, lambda beside: dataset.to_netcdf(beside, engine="h5netcdf"))
+    return write_dataset(path, to_dataset(result))

@@ -24,10 +24,12 @@ from mptune.plant.piston import burden_at
 from mptune.plant.supplies import oil_at_pressure
 from mptune.plant.valve import shut_valves
 from mptune.progress import silent
+from mptune.signals.outer_loop import INTEGRAL, OUTER_STATES, REFERENCE
 from mptune.sim import closed_loop as loop
+from mptune.sim.judge import LIMIT_CYCLE_SWINGS, set_figures
+from mptune.sim.machine_record import record_of
 from mptune.sim.moves import moves_of
-from mptune.verify.figures import LIMIT_CYCLE_SWINGS, first_broken_limit, set_figures
-from mptune.verify.result import CaseResult, CaseStatus, SetFigures, VerifyResult
+from mptune.verify.result import CaseResult, CaseStatus, VerifyResult
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
@@ -42,7 +44,9 @@ if TYPE_CHECKING:
     from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
+    from mptune.sim.judge import SetFigures
     from mptune.sim.moves import Moves
+    from mptune.sim.record import BrokenLimit
 
 _START_PRESSURE_B = 6e6  # Pa; p_A follows from the balance of forces
 _SATURATED = 0.05  # s in one set
@@ -99,7 +103,7 @@ def verify(
     for result in Parallel(n_jobs=-1, prefer="threads", return_as="generator")(jobs):
         results.append(result)
         progress("verify", len(results) / len(cases))
-    return VerifyResult(study, gains, tuple(results))
+    return VerifyResult(study, gains, feedforward, tuple(results))
 
 
 def _check(study: ResolvedStudy) -> None:
@@ -203,8 +207,7 @@ def run_rig(
     space = search_space()
     trace = np.empty((ticks, loop.COLUMNS))
     sets: list[SetFigures] = []
-    broken, broken_at = "", float("nan")
-    finite = True
+    broken: BrokenLimit | None = None
     for number in range(repeats):
         before, switched = memory.energy.copy(), int(memory.valves.counters[0])
         begin = number * ticks * signals.sample_time
@@ -215,17 +218,17 @@ def run_rig(
             moves.pieces,
             start, begin, random, trace,
         )  # fmt: skip
+        energy, switches = memory.energy - before, int(memory.valves.counters[0]) - switched
+        record = record_of(
+            trace, moves, energy, switches, machine, signals.sample_time, limits, begin
+        )
         finite = bool(np.isfinite(trace).all())
         if not finite:
             break
-        if not broken:
-            broken, broken_at = first_broken_limit(trace, machine, signals.sample_time, begin)
+        if broken is None and record.broken:
+            broken = record.broken[0]
         if number > 0 or repeats == 1:
-            switches = int(memory.valves.counters[0]) - switched
-            energy = memory.energy - before
-            sets.append(
-                set_figures(trace, moves, energy, switches, machine, signals.sample_time, limits)
-            )
+            sets.append(set_figures(record))
     return CaseResult(
         mass_kg=case.mass,
         valve_delay_s=case.valve_delay,
@@ -233,14 +236,15 @@ def run_rig(
         load_force_n=case.load_force,
         seed=case.seed,
         status=_status(sets, broken, finite=finite),
-        broken=broken,
-        broken_at_s=broken_at,
+        broken=broken.name if broken else "",
+        broken_at_s=broken.at if broken else float("nan"),
         sets=tuple(sets),
+        record=record,
         traces=frozen(trace),
     )
 
 
-def _status(sets: list[SetFigures], broken: str, *, finite: bool) -> CaseStatus:
+def _status(sets: list[SetFigures], broken: BrokenLimit | None, *, finite: bool) -> CaseStatus:
     if not finite:
         return CaseStatus.NOT_FINITE
     if any(one.oscillation >= LIMIT_CYCLE_SWINGS for one in sets):
@@ -275,9 +279,9 @@ def new_memory(
     state[[plant.PRESSURE_B, plant.VALVE_END_B]] = pressure_b
     signals = np.zeros(loop.SIGNALS)
     signals[:5] = start, pressure_a, pressure_b, high, machine.low_pressure
-    outer = np.zeros(9)
-    outer[loop.INTEGRAL] = load / gains.k_p_vel
-    outer[loop.REFERENCE] = start
+    outer = np.zeros(OUTER_STATES + 2)
+    outer[INTEGRAL] = load / gains.k_p_vel
+    outer[REFERENCE] = start
     return loop.Memory(
         state=state,
         energy=np.zeros(8),

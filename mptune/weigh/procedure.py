@@ -9,9 +9,10 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-if TYPE_CHECKING:
-    from collections.abc import Callable
+from mptune.progress import silent
 
+if TYPE_CHECKING:
+    from mptune.progress import Progress
     from mptune.weigh.trial import Bench, Trial, Weights
 
 _CONVERTER_SHARE = 0.8  # of the travel: how far pistons may go
@@ -19,6 +20,7 @@ _INDEX_GROWTH, _FORCE_ERROR_GROWTH = 1.1, 1.25
 _CONVERTER = tuple(2e9 * 10**k for k in (0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5))  # N s/m⁶
 _LOSS = tuple(10.0 * 2**k for k in range(7))  # N/J
 _SWITCHING = tuple(12.5 * 2**k for k in range(7))  # N
+STAGE = "weights by the paper's order"
 STEPS = len(_CONVERTER) + len(_LOSS) + len(_SWITCHING)  # at most
 
 
@@ -33,10 +35,11 @@ class Stage(NamedTuple):
 class _Walk:
     """The procedure under way."""
 
-    def __init__(self, bench: Bench, start: Weights, progress: Callable[[], None]) -> None:
+    def __init__(self, bench: Bench, start: Weights, progress: Progress) -> None:
         self._bench = bench
         self._farthest = _CONVERTER_SHARE * bench.study.study.supplies.converter_travel
         self._progress = progress
+        self._tried = 0
         self._converter = iter(_CONVERTER)  # only ever raised
         self.weights = start._replace(
             weight_loss=0.0, weight_switching=0.0, weight_converter=next(self._converter)
@@ -47,7 +50,8 @@ class _Walk:
         """Try weights, with as much more W_conv as the pistons need; keep them if errors allow."""
         while True:
             trial = self._bench.tried(weights)
-            self._progress()
+            self._tried += 1
+            self._progress(STAGE, min(self._tried / STEPS, 1.0))
             off = trial.unstable == 0 and trial.converter_peak <= self._farthest
             kept = off and self._small(trial)
             self.steps.append(Stage(name, trial, kept))
@@ -71,7 +75,7 @@ class _Walk:
 
 
 def by_the_papers_order(
-    bench: Bench, start: Weights, progress: Callable[[], None] = lambda: None
+    bench: Bench, start: Weights, progress: Progress = silent
 ) -> tuple[Weights, tuple[Stage, ...]]:
     """Find the three weights one after another.
 
@@ -82,7 +86,7 @@ def by_the_papers_order(
     start
         Sampling period and tolerances; its weights are not used.
     progress
-        Called after each trial.
+        Told of the stage ``STAGE`` after each trial.
 
     Returns
     -------

@@ -11,21 +11,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.progress import silent
+from mptune.summary import Summarised
 from mptune.weigh.trial import OBJECTIVES, Trial, limits_of
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Sequence
+    from collections.abc import Sequence
 
     from mptune.arrays import BoolArray, FloatArray
+    from mptune.progress import Progress
     from mptune.weigh.trial import Bench, Limits
 
 FINALISTS = 6
+STAGE = "the best again, with other random numbers"
 _CLEARLY = 2.0  # spreads by which a figure is clearly better
 _ENOUGH = 10.0  # spreads beyond which better counts no more
 
 
-@dataclass(frozen=True)
-class Recommendation:
+@dataclass(frozen=True, repr=False)
+class Recommendation(Summarised):
     """What to take, and why.
 
     Attributes
@@ -45,6 +49,11 @@ class Recommendation:
     spreads: FloatArray
     reason: str
     dominates: bool = False
+
+    @property
+    def headline(self) -> str:
+        """The weights to take, and why."""
+        return f"{self.trial.headline}; {self.reason}"
 
 
 def front(trials: Sequence[Trial], limits: Limits) -> tuple[int, ...]:
@@ -72,7 +81,7 @@ def recommended(
     bench: Bench,
     own: Trial,
     candidates: Sequence[Trial],
-    progress: Callable[[], None] = lambda: None,
+    progress: Progress = silent,
 ) -> Recommendation:
     """Return the weights to take among the front's.
 
@@ -83,16 +92,17 @@ def recommended(
     own, candidates
         The study's own weights and the front, as the search saw them.
     progress
-        Called after each trial.
+        Told of the stage ``STAGE``.
     """
+    progress(STAGE, 0.0)
     again = bench.tried(own.weights)
     limits = limits_of(bench.study, again)
-    progress()
+    progress(STAGE, 1 / (FINALISTS + 1))
     spreads = np.array([again.spread(figure) for figure in OBJECTIVES])
     finalists = []
     for candidate in _finalists(own, candidates, spreads):
         finalists.append(bench.tried(candidate.weights))
-        progress()
+        progress(STAGE, min((len(finalists) + 1) / (FINALISTS + 1), 1.0))
     usable = [trial for trial in finalists if limits.keeps(trial)]
     if not usable:
         reason = "no other usable weights were found; search with more trials"

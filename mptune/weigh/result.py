@@ -3,11 +3,18 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, ClassVar
 
+from mptune.interop import Drawn
+from mptune.strict import strict
+from mptune.summary import Summarised
 from mptune.weigh.trial import OBJECTIVES
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
+
+    import pandas as pd
+
     from mptune.params.study import ResolvedStudy
     from mptune.weigh.procedure import Stage
     from mptune.weigh.recommend import Recommendation
@@ -16,8 +23,8 @@ if TYPE_CHECKING:
 _KEYS = ("_n", "_n_per_j", "_n_s_per_m6", "_s", "_m", "_m")  # units of ``Weights``
 
 
-@dataclass(frozen=True)
-class WeightsResult:
+@dataclass(frozen=True, repr=False)
+class WeightsResult(Summarised, Drawn):
     """The paper's order, the search's trials and what follows.
 
     Attributes
@@ -29,6 +36,8 @@ class WeightsResult:
     front
         Places of the trials on the Pareto front.
     """
+
+    drawings: ClassVar[Mapping[str, str]] = {"trials": "mptune.figures.weights:weights_figure"}
 
     study: ResolvedStudy
     by_order: Weights
@@ -43,10 +52,27 @@ class WeightsResult:
         """Whether weights were found that dominate the study's own."""
         return self.recommendation.dominates
 
+    @property
+    def headline(self) -> str:
+        """Study, number of trials, and what follows."""
+        return (
+            f"Weights of {self.study.name}: {len(self.trials)} trials; {self.recommendation.reason}"
+        )
+
+    def to_pandas(self) -> pd.DataFrame:
+        """Return one row per trial: weights in SI, figures in §7's units."""
+        import pandas as pd
+
+        rows = [
+            {**_said(trial), "usable": self.limits.keeps(trial), "front": place in self.front}
+            for place, trial in enumerate(self.trials)
+        ]
+        return pd.json_normalize(rows)
+
     def json(self) -> dict[str, Any]:
         """Return weights in SI, figures in §7's units."""
         found = self.recommendation
-        return {
+        values = {
             "satisfied": self.satisfied,
             "reason": found.reason,
             "recommended": _said(found.trial),
@@ -61,6 +87,7 @@ class WeightsResult:
             "usable_trials": sum(self.limits.keeps(trial) for trial in self.trials),
             "front": [{"trial": k, **_said(self.trials[k])} for k in self.front],
         }
+        return strict(values)
 
 
 def weights_json(weights: Weights) -> dict[str, float]:

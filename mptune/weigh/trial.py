@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.campaign.simulate import FIGURES, figures_of
+from mptune.summary import Summarised
 from mptune.verify.result import CaseStatus
 from mptune.verify.verify import Case, run_case
 
@@ -54,8 +55,8 @@ def with_weights(study: ResolvedStudy, weights: Weights) -> ResolvedStudy:
     )
 
 
-@dataclass(frozen=True)
-class Trial:
+@dataclass(frozen=True, repr=False)
+class Trial(Summarised):
     """The figures of one set of weights.
 
     Attributes
@@ -74,6 +75,14 @@ class Trial:
     seeds: tuple[int, ...]
     figures: FloatArray
     unstable: int
+
+    @property
+    def headline(self) -> str:
+        """The three weights, and how many runs were not stable."""
+        weights = self.weights
+        found = f"W_sw {weights.weight_switching:.3g}, W_loss {weights.weight_loss:.3g}"
+        found += f", W_conv {weights.weight_converter:.3g}"
+        return f"Trial of {found}: {self.unstable} of {len(self.seeds)} runs not stable"
 
     def column(self, figure: str) -> FloatArray:
         """Return one figure of every run, ``(C,)``."""

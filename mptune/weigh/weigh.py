@@ -5,8 +5,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.progress import silent
-from mptune.weigh.procedure import STEPS, by_the_papers_order
-from mptune.weigh.recommend import FINALISTS, front, recommended
+from mptune.weigh.procedure import by_the_papers_order
+from mptune.weigh.recommend import front, recommended
 from mptune.weigh.result import WeightsResult
 from mptune.weigh.search import open_search
 from mptune.weigh.trial import Bench, limits_of, own_weights
@@ -50,19 +50,12 @@ def search_weights(
     sets
         Movement sets per run; of several, the first is left out.
     progress
-        Called with a stage's name and the share of it that is done.
+        Told of the three stages: the paper's order, the search, the best again.
     """
     bench = Bench(study, team, SEARCH_SEEDS, sets)
     search = open_search(bench, storage, seed=seed, sampler=sampler, also=also)
-    count = 0
-
-    def step() -> None:
-        nonlocal count
-        count += 1
-        progress("weights by the paper's order", min(count / STEPS, 1.0))
-
     own = bench.tried(own_weights(study))
-    by_order, steps = by_the_papers_order(bench, own.weights, step)
+    by_order, steps = by_the_papers_order(bench, own.weights, progress)
     limits = limits_of(study, own)
     tried = search.run(
         trials,
@@ -71,15 +64,6 @@ def search_weights(
         progress,
     )
     best = front(tried, limits)
-    again = "the best again, with other random numbers"
-    progress(again, 0.0)
     second = bench.with_seeds(SECOND_SEEDS)
-    count = 0
-
-    def checked() -> None:
-        nonlocal count
-        count += 1
-        progress(again, min(count / (FINALISTS + 1), 1.0))
-
-    found = recommended(second, own, [tried[place] for place in best], checked)
+    found = recommended(second, own, [tried[place] for place in best], progress)
     return WeightsResult(study, by_order, steps, tried, best, limits, found)

@@ -25,11 +25,11 @@ FEWER = max(RUNS // 10, 160)
 class Watch:
     """Takes down when runs were done, and how much memory all processes had."""
 
-    def __init__(self):
-        self.done, self.at, self.bytes = [], [], []
+    def __init__(self, runs):
+        self.runs, self.done, self.at, self.bytes = runs, [], [], []
 
-    def __call__(self, done, _runs):
-        self.done.append(done)
+    def __call__(self, _stage, share):
+        self.done.append(share * self.runs)
         self.at.append(time.perf_counter())
         own = psutil.Process()
         self.bytes.append(sum(one.memory_info().rss for one in (own, *own.children())))
@@ -50,7 +50,7 @@ def timed(study_file, tmp_path):
 
     def run(runs, name, **team):
         study = load_study(study_file, [f"campaign.runs={runs}", "campaign.chunk=100"])
-        watch, folder = Watch(), tmp_path / name
+        watch, folder = Watch(runs), tmp_path / name
         folder.mkdir()
         with workers(**team) as opened:
             result = run_campaign(plan_campaign(study), folder, opened, watch)

@@ -15,7 +15,8 @@ from mptune.export.fmu import write_units
 from mptune.export.formats import Precision
 from mptune.force.cost import force_limits
 from mptune.job.export import prepare
-from mptune.verify.figures import set_figures
+from mptune.sim.judge import set_figures
+from mptune.sim.machine_record import record_of
 from mptune.verify.verify import run_case
 
 pytestmark = pytest.mark.bench
@@ -100,11 +101,12 @@ def test_a_mock_up_unit_gives_the_figures_of_verify(study, mass, version, tmp_pa
     unit = Unit(paths[version - 2], rig.signals.sample_time)
     trace = drive(rig, unit)
     unit.close()
-    figures = set_figures(
+    record = record_of(
         trace, rig.moves, rig.memory.energy - energy,
         int(rig.memory.valves.counters[0]) - switched, rig.machine, rig.signals.sample_time,
         force_limits(rig.settings),
     )  # fmt: skip
+    figures = set_figures(record)
     verified = run_case(study, case, study.study.gains, study.study.feedforward)
     index, loss = (
         (getattr(figures, name), verified.mean(name))

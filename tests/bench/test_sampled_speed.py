@@ -5,12 +5,11 @@ import time
 import numpy as np
 import pytest
 
-from mptune.loops.family import plants_of
 from mptune.loops.noise import noise_gain
 from mptune.loops.sampled import stable_as_sampled
-from mptune.params.pack import pack_filters, pack_gains
 from mptune.robust.grid import first_grid
 from mptune.robust.margins import sampled_margins
+from mptune.robust.model import LinearModel
 
 pytestmark = pytest.mark.bench
 
@@ -26,16 +25,12 @@ def median_time(work, runs=5):
 
 
 def test_the_whole_family_as_it_runs(boom):
-    plants, gains = plants_of(boom), pack_gains(boom.study.gains)
-    path, period = (
-        pack_filters(boom.study.controller),
-        boom.study.controller.sampling_period,
-    )
-    share_a, omega = boom.study.cylinder.share_a, first_grid(0.1, 1000.0)
-    stable = median_time(lambda: stable_as_sampled(plants, share_a, gains, path, period))
-    margins = median_time(lambda: sampled_margins(omega, plants, share_a, gains, path, period))
-    noise = median_time(lambda: noise_gain(gains, path))
+    model, omega = LinearModel.of(boom), first_grid(0.1, 1000.0)
+    loops = model.as_it_runs(model.gains)
+    stable = median_time(lambda: stable_as_sampled(loops, model.period))
+    margins = median_time(lambda: sampled_margins(omega, loops, model.period))
+    noise = median_time(lambda: noise_gain(loops.gains, loops.path))
     print(
-        f"\n{len(plants.mass)} plants: multipliers {stable:.0f} ms, margins on {len(omega)} "
+        f"\n{loops.plants.number} plants: multipliers {stable:.0f} ms, margins on {len(omega)} "
         f"frequencies {margins:.0f} ms; noise gain {noise:.2f} ms"
     )

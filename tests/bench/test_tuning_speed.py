@@ -11,7 +11,7 @@ import pytest
 from scipy.optimize import differential_evolution
 
 from mptune.params.load import load_study
-from mptune.robust.model import Task
+from mptune.robust.model import LinearModel
 from mptune.tune.core import Core
 from mptune.tune.objective import Judge
 from mptune.tune.search import GainSearch
@@ -50,9 +50,9 @@ def test_tuning_the_papers_study_takes_less_than_5_seconds(study_file, tmp_path,
 
 
 def test_the_convex_core_takes_less_than_0_3_seconds_per_tau(boom):
-    task, search = Task.of(boom), Tuner(boom).searched()[0]
-    gains = task.start._replace(k_p_vel=search.space.fixed.gains.k_p_vel)
-    core = Core(task, gains, task.corners(), search.space.limits())
+    model, search = LinearModel.of(boom), Tuner(boom).searched()[0]
+    gains = model.gains._replace(k_p_vel=search.space.fixed.gains.k_p_vel)
+    core = Core(model, gains, model.corners(), search.space.limits())
     times = []
     for tau in np.geomspace(0.005, 0.03, 5):
         start = time.perf_counter()
@@ -70,10 +70,11 @@ def test_a_global_search_needs_a_hundred_times_as_many_candidates(load_boom):
         start = time.perf_counter()
         Tuner(study).searched()  # without the verdict, which the other search does not give either
         ours_seconds = min(ours_seconds, time.perf_counter() - start)
-    task = Task.of(study)
-    judge = Judge(task, Choice(task.start, task.study.study.feedforward))
-    before = judge.figures(Choice(task.start, study.study.feedforward))
-    search = GainSearch(task, judge, before, found.gains.k_p_vel)
+    model = LinearModel.of(study)
+    own = Choice(model.gains, study.study.feedforward)
+    judge = Judge(model, own)
+    before = judge.figures(own)
+    search = GainSearch(model, judge, before, found.gains.k_p_vel)
     calls = []
 
     def cost(point):

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mptune.params.pack import NO_PATH, LoopGains, Plants, pack_gains
+from mptune.loops.family import FamilyLoops
+from mptune.params.pack import NO_PATH, Plants, pack_gains
 from mptune.params.paper import PUBLISHED_GAINS
 from mptune.sim.response import position_step, velocity_step
 
@@ -15,12 +16,16 @@ GAINS = pack_gains(PUBLISHED_GAINS)
 
 
 def one_plant(mass, delay, tau_a, tau_b):
-    return Plants(*(np.array([value]) for value in (mass, delay, tau_a, tau_b)))
+    return Plants(*(np.array([value]) for value in (mass, delay, tau_a, tau_b, SHARE_A)))
+
+
+def loops(plants, **changes):
+    return FamilyLoops(plants, GAINS._replace(**changes), NO_PATH)
 
 
 def test_integrator_with_dead_time_follows_the_method_of_steps():
     gain, time = 2.0, np.linspace(0, 3, 3001)
-    found = velocity_step(one_plant(1.0, 1.0, 0.0, 0.0), SHARE_A, gain, NO_PATH, time)[0]
+    found = velocity_step(loops(one_plant(1.0, 1.0, 0.0, 0.0), k_p_vel=gain), time)[0]
     by_hand = np.select(
         [time <= 1, time <= 2], [0 * time, gain * (time - 1)], gain * (time - 1)
     ) - np.where(time > 2, gain**2 * (time - 2) ** 2 / 2, 0)
@@ -78,19 +83,17 @@ def test_family_response_agrees_with_an_ode_solver_on_the_method_of_steps(plant,
     expected = np.array([solution(instant)[3 if position else 2] for instant in time])
     plants = one_plant(*plant)
     if position:
-        found = position_step(plants, SHARE_A, GAINS, NO_PATH, time)[0]
+        found = position_step(loops(plants), time)[0]
     else:
-        found = velocity_step(plants, SHARE_A, GAINS.k_p_vel, NO_PATH, time)[0]
+        found = velocity_step(loops(plants), time)[0]
     error = np.abs(found - expected).max()
     print(f"{plant}, {'position' if position else 'velocity'}: {error:.1e}")
     assert error < 2e-5
 
 
 def test_unstable_loop_grows():
-    gains = LoopGains(3.6e6, 0.0, 0.0, 1.0, 0.0, 1.0)  # above m π/(2 d)
+    unstable = loops(one_plant(24500.0, 0.011, 0.0, 0.0), k_p_vel=3.6e6)  # above m π/(2 d)
     time = np.linspace(0, 3, 301)
-    found = velocity_step(
-        one_plant(24500.0, 0.011, 0.0, 0.0), SHARE_A, gains.k_p_vel, NO_PATH, time
-    )
+    found = velocity_step(unstable, time)
     late, early = np.abs(found[0, time > 2]).max(), np.abs(found[0, time < 1]).max()
     assert late > 2 * early

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mptune.loops.family import derived_time_constants, plants_of
+from mptune.loops.family import derived_time_constants, plants_of, time_constants_at
 from mptune.loops.force_dynamics import force_dynamics, pressure_time_constant
 
 
@@ -74,6 +74,22 @@ def test_the_extremes_of_the_derived_ranges_are_those_of_the_whole_box(load_boom
     with np.errstate(divide="ignore"):
         tau = -0.010 / np.log1p(-np.minimum(ratio, 1))
     assert derived_time_constants(study)[1] == pytest.approx((tau.min(), tau.max()), rel=1e-9)
+
+
+@pytest.mark.parametrize("position", [0.05, 0.25])
+def test_each_side_s_time_constant_follows_its_own_volume(boom, position):
+    """Where the piston stands, Eq. 4 and Eq. 12 by hand: A's volume grows, B's shrinks."""
+    machine = boom.study
+    cylinder, hose = machine.cylinder, machine.hose
+    found = time_constants_at(boom, 8e8, position)
+    for tau, swept in zip(
+        found,
+        (cylinder.area_a * position, cylinder.area_b * (cylinder.stroke - position)),
+        strict=True,
+    ):
+        hoses = hose.volume_a / (swept + cylinder.dead_volume_a + hose.volume_a) / 6e8
+        ratio = (1 / 1.4e9 + hoses) / (1 / 8e8 + hoses)
+        assert float(tau) == pytest.approx(-0.010 / np.log(1 - ratio), rel=1e-9)
 
 
 def test_a_derived_range_becomes_an_axis_of_the_family(load_boom):

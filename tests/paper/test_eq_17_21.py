@@ -5,9 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mptune.loops.family import plants_of
-from mptune.params.pack import NO_PATH, Plants, pack_gains, pack_nominal
-from mptune.robust.condition import sides
+from mptune.params.pack import Plants
+from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
 
 WORST = [
@@ -48,16 +47,15 @@ def test_the_published_gains_meet_the_requirements_of_their_study(fig_5):
 @pytest.mark.parametrize("loop", ["velocity", "position"])
 def test_the_worst_ratio_is_the_largest_over_plants_and_over_frequencies(fig_5, loop):
     condition = getattr(fig_5, loop)
-    assert condition.worst_ratio == pytest.approx(condition.ratio.max(), rel=1e-12)
-    assert condition.worst_ratio == pytest.approx(condition.plant_ratio.max(), rel=1e-12)
+    assert condition.ratio.max() == pytest.approx(condition.plant_ratio.max(), rel=1e-12)
+    assert condition.worst_ratio == pytest.approx(condition.ratio.max(), rel=1e-6)
+    assert condition.worst_ratio >= condition.ratio.max() * (1 - 1e-12)  # polished off the grid
     assert condition.margin == 1 / condition.worst_ratio
 
 
 def at_low_frequency(study):
-    gains = pack_gains(study.study.gains)
-    omega = np.array([1e-5, 1e-4])
-    share_a = study.study.cylinder.share_a
-    return sides(omega, plants_of(study), pack_nominal(study), share_a, gains, NO_PATH)
+    model = LinearModel.of(study)
+    return model.sides(np.array([1e-5, 1e-4]), model.gains)
 
 
 def test_the_ratio_of_eq_17_begins_at_one_half_whatever_the_gain(load_boom):
@@ -79,17 +77,13 @@ def test_the_ratio_of_eq_21_vanishes_at_low_frequency(load_boom):
 
 
 def test_the_error_of_eq_17_depends_on_no_gain_and_that_of_eq_21_on_the_velocity_gain(boom):
-    omega = np.geomspace(1, 300, 20)
-    plants = Plants(
-        *(np.array(column) for column in ([3e4, 49e3], [0.012, 0.02], [0.01] * 2, [0.0] * 2))
-    )
-    published = pack_gains(boom.study.gains)
+    omega, model = np.geomspace(1, 300, 20), LinearModel.of(boom)
+    columns = ([3e4, 49e3], [0.012, 0.02], [0.01] * 2, [0.0] * 2, [0.57] * 2)
+    plants = Plants(*(np.array(column) for column in columns))
+    published = model.gains
     position = published._replace(k_p_pos=5.0, k_i_pos=50.0, omega=60.0, xi=0.9, tau=0.01)
     velocity = published._replace(k_p_vel=300e3)
-    left = [
-        sides(omega, plants, pack_nominal(boom), 0.57, gains, NO_PATH).left
-        for gains in (published, position, velocity)
-    ]
+    left = [model.sides(omega, gains, plants).left for gains in (published, position, velocity)]
     np.testing.assert_array_equal(left[0], left[1])
     np.testing.assert_array_equal(left[0][0], left[2][0])
     assert not np.allclose(left[0][1], left[2][1])

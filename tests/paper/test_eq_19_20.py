@@ -7,11 +7,12 @@ import pytest
 
 from mptune.loops.position import closed_velocity, position_error
 from mptune.loops.velocity import nominal_velocity
+from mptune.params.pack import NominalPlant
 
 
 def test_the_closed_velocity_loop_is_an_integrator_at_low_frequency():
     s = 1e-4j
-    velocity = nominal_velocity(s, 24500.0, 0.011)
+    velocity = nominal_velocity(s, NominalPlant(24500.0, 0.011))
     closed = closed_velocity(s, velocity, velocity * 7e5, 7e5)
     assert closed == pytest.approx(1 / s, rel=1e-4)
 

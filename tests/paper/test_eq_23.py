@@ -5,7 +5,12 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mptune.signals.differentiator import TAPS, differentiator_over_s
+from mptune.signals.differentiator import (
+    TAPS,
+    differentiated,
+    differentiator_over_s,
+    remember,
+)
 
 
 def test_the_taps_are_the_printed_ones():
@@ -32,3 +37,11 @@ def test_low_frequencies_lose_no_digits(frequency):
     # D(s)/s = e^{−2.5 sT} (1 − c (ωT)² + …): the modulus is 1 to (ωT)²
     found = differentiator_over_s(1j * frequency, 0.0005)
     assert abs(found) == pytest.approx(1, abs=5 * (frequency * 0.0005) ** 2 + 1e-15)
+
+
+def test_positions_remembered_tick_by_tick_give_the_slope_of_their_ramp():
+    history = np.zeros(6)
+    for tick in range(9):
+        remember(history, 0.15 + 0.07 * 0.0005 * tick)
+    assert history[0] > history[5] > 0.15
+    assert differentiated(history, 0.0005) == pytest.approx(0.07, rel=1e-9)

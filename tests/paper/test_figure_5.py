@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from mptune.loops.family import plants_of
+from mptune.loops.family import FamilyLoops, plants_of
 from mptune.params.pack import NO_PATH, pack_gains
 from mptune.sim.response import position_step, velocity_step
 
@@ -12,11 +12,10 @@ pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 
 def test_step_responses_of_the_whole_family_settle_on_the_reference(load_boom):
     study = load_boom()
-    plants, gains = plants_of(study), pack_gains(study.study.gains)
-    share_a = study.study.cylinder.share_a
+    loops = FamilyLoops(plants_of(study), pack_gains(study.study.gains), NO_PATH)
     time = np.linspace(0, 4, 801)
-    velocity = velocity_step(plants, share_a, gains.k_p_vel, NO_PATH, time)
-    position = position_step(plants, share_a, gains, NO_PATH, time)
+    velocity = velocity_step(loops, time)
+    position = position_step(loops, time)
     print(
         f"overshoot over the family: velocity {velocity.max() - 1:.3f}, "
         f"position {position.max() - 1:.3f}"
@@ -31,8 +30,8 @@ def test_nothing_moves_before_the_dead_time_is_over(load_boom):
     study = load_boom()
     plants = plants_of(study)
     time = np.linspace(0, float(plants.delay.min()), 50)
-    gains = pack_gains(study.study.gains)
-    found = position_step(plants, study.study.cylinder.share_a, gains, NO_PATH, time)
+    loops = FamilyLoops(plants, pack_gains(study.study.gains), NO_PATH)
+    found = position_step(loops, time)
     assert np.all(found == 0)
 
 
@@ -47,10 +46,11 @@ def test_worst_plant_with_measurement_path_grows_as_its_encirclement_count_says(
         np.array([0.0215, 0.011]),
         np.array([0.0122, 0.0001]),
         np.array([0.0119, 0.0001]),
+        np.full(2, study.study.cylinder.share_a),
     )
     time = np.linspace(0, 12, 2401)
-    gains, share_a = pack_gains(study.study.gains), study.study.cylinder.share_a
-    found = np.abs(position_step(plants, share_a, gains, path, time) - 1)
+    loops = FamilyLoops(plants, pack_gains(study.study.gains), path)
+    found = np.abs(position_step(loops, time) - 1)
     early, late = found[:, (time > 2) & (time < 4)].max(axis=1), found[:, time > 10].max(axis=1)
     assert late[0] > 1.5 * early[0]
     assert late[1] < early[1]

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from mptune.loops.broken import FORCE, VELOCITY
-from mptune.loops.family import FamilyLoops
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import NO_PATH, Plants, pack_filters, pack_gains
+from mptune.params.pack import Plants
 from mptune.robust.margins import family_margins
+from mptune.robust.model import PATHS, LinearModel
 
 GRID = np.geomspace(0.1, 1000, 200)
 PLANTS = Plants(
@@ -17,6 +17,7 @@ PLANTS = Plants(
     delay=np.array([0.010, 0.014, 0.014, 0.0215]),
     tau_a=np.array([0.0001, 0.0122, 0.0122, 0.0122]),
     tau_b=np.array([0.0001, 0.0119, 0.0119, 0.0119]),
+    share_a=np.full(4, 4 / 7),
 )
 NAMES = ("24.5 t, 10 ms, no lag", "24.5 t, 14 ms", "49 t, 14 ms", "24.5 t, 21.5 ms")
 VELOCITY_PEAKS = {"none": (1.29, 1.82, 1.34, 2.43), "filters": (1.67, 2.78, 1.58, 4.35)}
@@ -24,16 +25,15 @@ FORCE_PEAKS = {"none": (1.52, 2.47, 1.76, 4.81), "filters": (2.10, 8.70, 2.91, N
 
 
 @pytest.fixture(scope="module")
-def paths(boom):
-    return {"none": NO_PATH, "filters": pack_filters(boom.study.controller)}
+def loops(boom):
+    """The loops of the four plants with the published gains, by measurement path."""
+    model = LinearModel.of(boom)
+    return {path: model.loops(model.gains, model.path_of(path), PLANTS) for path in PATHS}
 
 
 @pytest.fixture(scope="module")
-def margins(boom, paths):
-    gains, share_a = pack_gains(boom.study.gains), boom.study.cylinder.share_a
-    return {
-        name: family_margins(GRID, PLANTS, share_a, gains, path) for name, path in paths.items()
-    }
+def margins(loops):
+    return {path: family_margins(GRID, one) for path, one in loops.items()}
 
 
 @pytest.mark.parametrize("path", ["none", "filters"])
@@ -60,20 +60,19 @@ def test_the_gain_margin_of_section_5_1_s_worst_plant(margins, path, margin):
     assert f"{found:.2g}" == margin
 
 
-def stable(boom, which, path):
-    gains, share_a = pack_gains(boom.study.gains), boom.study.cylinder.share_a
-    count = count_unstable_poles(FamilyLoops(which, PLANTS, share_a, gains, path))
+def stable(loops, which):
+    count = count_unstable_poles(loops.broken_at(which))
     assert count.decided.all()
     return count.stable.tolist()
 
 
-def test_the_worst_plant_of_fig_5_is_unstable_with_the_path(boom, paths):
-    assert stable(boom, FORCE, paths["none"]) == [True, True, True, True]
-    assert stable(boom, FORCE, paths["filters"]) == [True, True, True, False]
+def test_the_worst_plant_of_fig_5_is_unstable_with_the_path(loops):
+    assert stable(loops["none"], FORCE) == [True, True, True, True]
+    assert stable(loops["filters"], FORCE) == [True, True, True, False]
 
 
-def test_the_velocity_loops_alone_stay_stable_with_the_path(boom, paths):
-    assert stable(boom, VELOCITY, paths["filters"]) == [True, True, True, True]
+def test_the_velocity_loops_alone_stay_stable_with_the_path(loops):
+    assert stable(loops["filters"], VELOCITY) == [True, True, True, True]
 
 
 def test_the_sweep_tells_of_the_unstable_plants_that_eq_17_and_21_pass(fig_5):

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mptune.loops.broken import FORCE, VELOCITY, loop_gain
 from mptune.loops.family import FamilyLoops
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, Plants
+from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, Plant, Plants
 
 SHARE_A = 4 / 7
 FILTERS = MeasurementPath(0.0005, float(np.exp(-0.0005 / 0.012)), 0.012)
@@ -56,13 +56,13 @@ def roots_without_dead_time(which, mass, tau_a, tau_b, gain):
 def test_without_dead_time_counts_are_those_of_polynomial_roots(which, mass, tau_a, tau_b, gain):
     roots = roots_without_dead_time(which, mass, tau_a, tau_b, gain)
     assume(np.all(np.abs(roots.real) > 1e-6 * np.abs(roots)))
-    plants = Plants(*(np.array([value]) for value in (mass, 0.0, tau_a, tau_b)))
-    count = count_unstable_poles(FamilyLoops(which, plants, SHARE_A, gain, NO_PATH))
+    plants = Plants(*(np.array([value]) for value in (mass, 0.0, tau_a, tau_b, SHARE_A)))
+    count = count_unstable_poles(FamilyLoops(plants, gain, NO_PATH, which))
     assert count.decided.all()
     assert count.unstable.tolist() == [int(np.sum(roots.real > 0))]
 
 
-def encirclements(which, plant, gain, path, loops):
+def encirclements(loops):
     """Count unstable poles by unwrapping the angle of 1 + L along a very fine Nyquist curve."""
     low, high = 1e-6 * float(loops.radius[0]), 2 * float(loops.tail[0])
     omega = np.geomspace(low, high, 60_000)
@@ -83,8 +83,9 @@ def test_with_dead_time_counts_are_those_of_a_fine_nyquist_curve(which, path):
     for _ in range(12):
         plant = random.uniform((1e4, 0.0, 0.0, 0.0), (6e4, 0.04, 0.015, 0.015))
         gain = LoopGains(*random.uniform((1e5, 0, 0, 10, 0.2, 2e-3), (4e6, 40, 200, 200, 2, 0.03)))
-        loops = FamilyLoops(which, Plants(*plant[:, None].copy()), SHARE_A, gain, path)
-        expected, nearest = encirclements(which, plant, gain, path, loops)
+        plants = Plants(*np.append(plant, SHARE_A)[:, None])
+        loops = FamilyLoops(plants, gain, path, which)
+        expected, nearest = encirclements(loops)
         count = count_unstable_poles(loops)
         if nearest > 1e-3:
             assert expected == pytest.approx(round(expected), abs=0.01)
@@ -98,14 +99,14 @@ def test_with_dead_time_counts_are_those_of_a_fine_nyquist_curve(which, path):
 @given(
     st.floats(0.1, 2000.0),
     st.floats(-50.0, 50.0),
-    st.tuples(st.floats(1e4, 6e4), st.floats(0, 0.03), lags, lags, st.floats(0.5, 0.9)),
+    st.builds(Plant, st.floats(1e4, 6e4), st.floats(0, 0.03), lags, lags, st.floats(0.5, 0.9)),
     gains,
     st.sampled_from([NO_PATH, FILTERS]),
 )
 def test_return_differences_multiply(omega, sigma, plant, gain, path):
     # 1 + L_F = (1 + L_v)(1 + L_p): closing both loops at once or one after the other
     s = complex(sigma, omega)
-    velocity, position, force = (loop_gain(which, s, *plant, gain, path) for which in range(3))
+    velocity, position, force = (loop_gain(which, s, plant, gain, path) for which in range(3))
     product = (1 + velocity) * (1 + position)
     scale = 1 + abs(force) + (1 + abs(velocity)) * (1 + abs(position))
     assert abs(1 + force - product) <= 1e-9 * scale

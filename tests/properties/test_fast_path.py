@@ -17,10 +17,11 @@ from hypothesis import assume, given
 from hypothesis import strategies as st
 
 from mptune.loops.broken import FORCE, POSITION, VELOCITY, loop_gain
+from mptune.loops.family import FamilyLoops
 from mptune.loops.force_dynamics import force_dynamics
 from mptune.loops.position import position_controller, position_error
 from mptune.loops.velocity import nominal_velocity, true_velocity, velocity_error
-from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
+from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plant, Plants
 from mptune.robust.condition import sides
 
 TOLERANCE = 1e-9
@@ -32,7 +33,7 @@ masses = st.floats(1e3, 1e5)
 delays = st.floats(0.0, 0.05)
 lags = st.just(0.0) | st.floats(1e-6, 0.05)
 shares = st.floats(0.5, 0.95)
-plants = st.tuples(masses, delays, lags, lags, shares)
+plants = st.builds(Plant, masses, delays, lags, lags, shares)
 nominals = st.builds(NominalPlant, masses, delays)
 gains = st.builds(
     LoopGains,
@@ -97,13 +98,13 @@ def test_force_dynamics(omega, tau_a, tau_b, share_a):
 @given(frequencies, plants)
 def test_true_velocity(omega, plant):
     expected = reference_velocity(omega, *plant)
-    assert close(true_velocity(1j * omega, *plant), expected, abs(expected))
+    assert close(true_velocity(1j * omega, plant), expected, abs(expected))
 
 
 @given(frequencies, plants, nominals)
 def test_velocity_error_is_the_quotient_of_eq_16(omega, plant, nominal):
     true, believed = reference_velocity(omega, *plant), reference_velocity(omega, *nominal)
-    found = velocity_error(1j * omega, *plant, *nominal)
+    found = velocity_error(1j * omega, plant, nominal)
     assert close(found, (true - believed) / believed, 1 + abs(true / believed))
 
 
@@ -113,8 +114,8 @@ def test_position_error_is_the_quotient_of_eq_20(omega, plant, nominal, gain):
     true_loop = reference_velocity(omega, *plant) * gain
     nominal_loop = reference_velocity(omega, *nominal) * gain
     true, believed = (loop / (s * (1 + loop)) for loop in (true_loop, nominal_loop))  # Eq. 19
-    error = velocity_error(s, *plant, *nominal)
-    found = position_error(error, nominal_velocity(s, *nominal) * gain)
+    error = velocity_error(s, plant, nominal)
+    found = position_error(error, nominal_velocity(s, nominal) * gain)
     scale = (1 + abs(true / believed)) * amplification(true_loop) * amplification(nominal_loop)
     assert close(found, (true - believed) / believed, scale)
 
@@ -137,7 +138,7 @@ def test_loop_gains_at_all_three_places(omega, plant, gain, path):
     outer = velocity * to_position / s
 
     def found(which):
-        return loop_gain(which, s, *plant, gain, path)
+        return loop_gain(which, s, plant, gain, path)
 
     assert close(found(VELOCITY), inner, abs(inner))
     assert close(
@@ -148,8 +149,6 @@ def test_loop_gains_at_all_three_places(omega, plant, gain, path):
 
 @given(frequencies, st.lists(plants, min_size=1, max_size=6), nominals, gains)
 def test_both_sides_of_eq_17_and_eq_21(omega, family, nominal, gain):
-    share_a = family[0][4]
-    family = [(*plant[:4], share_a) for plant in family]
     s = 1j * omega
     true = np.array([reference_velocity(omega, *plant) for plant in family]) * gain.k_p_vel
     believed = reference_velocity(omega, *nominal) * gain.k_p_vel
@@ -157,8 +156,8 @@ def test_both_sides_of_eq_17_and_eq_21(omega, family, nominal, gain):
     terms = reference_terms(omega, gain)
     assume(sum(terms) != 0)  # at ω, undamped and without K_I, Eq. 22 is zero
     loop = closed[1] * sum(terms)
-    columns = np.array(family).T[:4]
-    found = sides(np.array([omega]), Plants(*columns.copy()), nominal, share_a, gain, NO_PATH)
+    loops = FamilyLoops(Plants(*np.array(family).T.copy()), gain, NO_PATH)
+    found = sides(np.array([omega]), loops, nominal)
 
     quotients = np.abs(true / believed), np.abs(closed[0] / closed[1])
     scale = (1 + quotients[0]).max()
@@ -177,10 +176,10 @@ def test_compiled_kernels_are_the_interpreted_ones():
     gain = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)
     for _ in range(50):
         s = complex(random.uniform(-5, 5), random.uniform(0.1, 1000))
-        plant = tuple(random.uniform((2e4, 0, 0, 0, 0.5), (5e4, 0.02, 0.012, 0.012, 0.9)))
+        plant = Plant(*random.uniform((2e4, 0, 0, 0, 0.5), (5e4, 0.02, 0.012, 0.012, 0.9)))
         for which in (VELOCITY, POSITION, FORCE):
             for path in (NO_PATH, FILTERS):
-                compiled = loop_gain(which, s, *plant, gain, path)
+                compiled = loop_gain(which, s, plant, gain, path)
                 assert compiled == pytest.approx(
-                    loop_gain.py_func(which, s, *plant, gain, path), rel=1e-13
+                    loop_gain.py_func(which, s, plant, gain, path), rel=1e-13
                 )

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mptune.loops.broken import FORCE, POSITION, VELOCITY
 from mptune.loops.family import FamilyLoops
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, Plants
+from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.margins import family_margins
 
@@ -24,6 +24,7 @@ plants = st.builds(
     st.floats(0.001, 0.03),
     st.floats(0.0, 0.015),
     st.floats(0.0, 0.015),
+    st.just(SHARE_A),
 )
 gains = st.builds(
     LoopGains,
@@ -38,15 +39,15 @@ paths = st.sampled_from([NO_PATH, FILTERS])
 
 
 def stable(plant, gain, path, which=FORCE):
-    count = count_unstable_poles(FamilyLoops(which, plant, SHARE_A, gain, path))
+    count = count_unstable_poles(FamilyLoops(plant, gain, path, which))
     assert count.decided.all()
     return bool(count.stable[0])
 
 
 def margins_of(plant, gain, path):
-    nominal = type("Nominal", (), {"mass": float(plant.mass[0]), "delay": float(plant.delay[0])})
+    nominal = NominalPlant(float(plant.mass[0]), float(plant.delay[0]))
     omega = first_grid(*frequency_range(plant, nominal, gain))
-    return family_margins(omega, plant, SHARE_A, gain, path)
+    return family_margins(omega, FamilyLoops(plant, gain, path))
 
 
 def scaled(gain, which, factor):

@@ -8,8 +8,6 @@ from hypothesis import Phase, given, settings
 from hypothesis import strategies as st
 
 from mptune.params.controller import Gains
-from mptune.params.pack import NO_PATH, pack_gains, pack_nominal
-from mptune.robust.condition import sides
 from mptune.robust.sweep import CONVERGED, sweep
 
 
@@ -38,8 +36,7 @@ def excess(study, gain):
     """Return how far a ten times denser grid exceeds each worst ratio, relative to it."""
     result = sweep(study, gain)
     omega = np.geomspace(result.omega[0], result.omega[-1], 10 * len(result.omega))
-    share_a = study.study.cylinder.share_a
-    found = sides(omega, result.plants, pack_nominal(study), share_a, pack_gains(gain), NO_PATH)
+    found = result.model.sides(omega, gain)
     return [
         found.ratio[loop].max() / condition.worst_ratio - 1
         for loop, condition in enumerate(result.conditions)

@@ -7,8 +7,9 @@ import os
 
 import pytest
 
+from mptune import files
 from mptune.errors import InputError, OutputError
-from mptune.files import make_folder, read_text, write_whole, write_whole_with
+from mptune.files import make_folder, read_text, write_whole
 
 
 def fault_of(path):
@@ -96,32 +97,20 @@ def test_a_full_disk_leaves_nothing_where_nothing_was(tmp_path):
 
 
 @pytest.mark.parametrize("interruption", [KeyboardInterrupt, ValueError])
-def test_an_interrupted_write_leaves_the_earlier_file_and_no_litter(tmp_path, interruption):
+def test_an_interrupted_write_leaves_the_earlier_file_and_no_litter(
+    tmp_path, monkeypatch, interruption
+):
     path = tmp_path / "trace.nc"
     path.write_text("earlier")
 
-    def write(beside):
-        beside.write_text("half")
+    def interrupted(_descriptor):
         raise interruption
 
+    monkeypatch.setattr(files.os, "fsync", interrupted)
     with pytest.raises(interruption):
-        write_whole_with(path, write)
+        write_whole(path, "half")
     assert path.read_text() == "earlier"
     assert list(tmp_path.iterdir()) == [path]
-
-
-def test_the_file_written_beside_keeps_the_suffix_that_writers_go_by(tmp_path):
-    seen = []
-
-    def write(beside):
-        seen.append(beside)
-        beside.write_text("x")
-
-    write_whole_with(tmp_path / "report.pdf", write)
-    (beside,) = seen
-    assert beside.suffix == ".pdf"
-    assert beside.parent == tmp_path
-    assert beside.name != "report.pdf"
 
 
 @pytest.mark.parametrize("place", ["file/sub", "missing/sub", "folder"])

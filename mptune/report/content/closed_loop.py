@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mptune.params.paper import (
     MEASURED_FINAL_ERROR,
@@ -13,20 +13,20 @@ from mptune.params.paper import (
 )
 from mptune.report.blocks import (
     Block,
+    Break,
     Cell,
-    Column,
-    figure,
-    heading,
+    Chapter,
+    Figure,
+    Note,
+    Prose,
+    Row,
+    Tabular,
     left,
-    note,
-    page_break,
-    prose,
     right,
-    section,
-    table,
     verdict,
     wide,
 )
+from mptune.sim.merit import TABULATED, merit
 from mptune.units import number
 
 if TYPE_CHECKING:
@@ -36,41 +36,29 @@ if TYPE_CHECKING:
     from mptune.sim.sampled import LinearMove
     from mptune.verify.result import CaseResult, VerifyResult
 
+_INDEX, _FINAL = merit("performance_index_ms"), merit("final_error_mm")
+
 
 def machine_figure(mass: float) -> str:
     """Return the name of the figure of one mass's traces."""
     return f"machine-{mass / 1e3:g}t"
 
 
-def linear_check(results: Results) -> dict[str, Any] | None:
+def linear_check(results: Results) -> Chapter | None:
     """Return the sampled linear loop's movement sets."""
     if not results.moves:
         return None
-    rows: list[list[str | Cell]] = [
-        [
-            f"{case.mass_kg / 1e3:g} t",
-            f"{1e3 * case.valve_delay_s:g} ms",
-            f"{case.oil_bulk_modulus_pa / 1e6:g} MPa",
-            index_text([before]),
-            Cell(index_text([case]), "strong"),
-            milliseconds(MEASURED_INDEX_RANGE.get(case.mass_kg)),
-        ]
-        for case, before in zip(results.moves, results.moves_before, strict=True)
-    ]
-    columns = right(
-        "Mass", "Delay", "Oil", "Index, own gains [ms]", "Index, here [ms]", "Measured, paper [ms]"
-    )
-    return section(
+    return Chapter.of(
         "Linear check",
-        prose(
+        Prose(
             "The gains on the linear loop as it runs: held over the sampling period, discretised "
             "by Tustin's approximation, with median, filter and Eq. 23 at the fast sampling "
             "period, velocity feed-forward, and the pressure time constants of Eq. 4 and Eq. 12 "
             "at the start position."
         ),
-        figure("moves", "The movement set, for each mass the machine with the largest index."),
-        table(columns, rows, keep=True),
-        note(
+        Figure("The movement set, for each mass the machine with the largest index.", "moves"),
+        movement_sets(results.moves_before, results.moves),
+        Note(
             "Performance index: peak position error over peak velocity. Predicted, without "
             "fitting. Load force carried by the integrator from the start; dead zone and stop "
             "logic left out."
@@ -79,7 +67,25 @@ def linear_check(results: Results) -> dict[str, Any] | None:
     )
 
 
-def nonlinear_machine(results: Results) -> dict[str, Any] | None:
+def movement_sets(own: Sequence[LinearMove], moves: Sequence[LinearMove]) -> Tabular:
+    """Return the sampled linear loop's index with the study's own gains and with others."""
+    rows: list[Row] = [
+        [
+            f"{case.mass_kg / 1e3:g} t",
+            f"{1e3 * case.valve_delay_s:g} ms",
+            f"{case.oil_bulk_modulus_pa / 1e6:g} MPa",
+            index_text([before]),
+            Cell(index_text([case]), "strong" if case.stable else "bad"),
+            milliseconds(MEASURED_INDEX_RANGE.get(case.mass_kg)),
+        ]
+        for case, before in zip(moves, own, strict=True)
+    ]
+    index = ("Index [ms]\nown gains", "Index [ms]\nthese gains", "Index [ms]\npaper")
+    columns = right("Mass", "Delay", "Oil", *index)
+    return Tabular("Linear check: sampled loop with its filters", columns, rows)
+
+
+def nonlinear_machine(results: Results) -> Chapter | None:
     """Return the verified cases, §7's comparison, and the traces of each mass."""
     verified = results.verified
     if verified is None or not verified.cases:
@@ -91,96 +97,94 @@ def nonlinear_machine(results: Results) -> dict[str, Any] | None:
             "case of its mass. In the valve states, crossflow is above the upper dotted line, one "
             "valve between the lines, both valves below."
         )
-        traces += [page_break(), figure(machine_figure(case.mass_kg), caption)]
-    return section(
-        "The nonlinear machine",
-        prose(
+        traces += [Break(), Figure(caption, machine_figure(case.mass_kg))]
+    table = machines(verified)
+    return Chapter.of(
+        table.title,
+        Prose(
             "The exported gains on the bundled simulator: valves with delays of their own and "
             "opening ramps, signed orifices, hoses, friction, accumulator, pump and converter "
             "cylinders, sensor noise, the filters, and the force controller of Eq. 5 to Eq. 10. "
             "The first movement set of each case is left out of the figures."
         ),
-        *_cases(verified),
-        *_comparison(verified),
+        table,
+        Note(
+            "Means over the movement sets; final error and converter position are the largest. "
+            "Loss: accumulator power less piston power, per millimetre of travel."
+        ),
+        *_measured(verified).titled(),
+        Note(
+            "The paper's figures are of its published gains; here the gains of the first page were "
+            "used. Predicted: without fitting. Calibrated: the loss through the reading of "
+            "Q_conv, the force error through the position noise."
+        ),
+        *_other_systems().titled(),
         *traces,
         new_page=True,
     )
 
 
-def _cases(verified: VerifyResult) -> list[Block]:
-    rows: list[list[str | Cell]] = [
+def machines(verified: VerifyResult) -> Tabular:
+    """Return each machine's figures and how it came out."""
+    rows: list[Row] = [
         [
-            f"{case.mass_kg / 1e3:g} t",
-            f"{case.oil_bulk_modulus_pa / 1e6:g} MPa",
+            f"{case.mass_kg / 1e3:g}",
+            f"{case.oil_bulk_modulus_pa / 1e6:g}",
             str(case.seed),
-            number(case.mean("performance_index_ms"), 3),
-            number(case.mean("energy_loss_j_per_mm"), 3),
-            number(case.mean("force_error_integral_kn2s"), 3),
-            number(case.span("final_error_mm")[1], 2),
-            number(case.span("converter_peak_mm")[1], 3),
-            number(case.mean("valve_switches"), 4),
-            verdict(
-                case.status.value + (f", {case.broken}" if case.broken else ""), good=case.stable
-            ),
+            *(one.text(case.figure(one.key)) for one in TABULATED),
+            verdict(_fate(case), good=case.stable),
         ]
         for case in verified.cases
     ]
-    columns: list[Column] = [
-        *right("Mass", "Oil", "Seed", "Index\n[ms]", "Loss\n[J/mm]", "∫ΔF²\n[kN² s]"),
-        *right("Final\n[mm]", "Converter\n[mm]", "Switches"),
+    columns = [
+        *right("Mass\n[t]", "Oil\n[MPa]", "Seed", *(one.title("\n") for one in TABULATED)),
         wide("Status"),
     ]
-    words = (
-        "Means over the movement sets; final error and converter position are the largest. Loss: "
-        "accumulator power less piston power, per millimetre of travel."
-    )
-    return [table(columns, rows), note(words)]
+    return Tabular("The nonlinear machine", columns, rows, keep=False)
 
 
-def _comparison(verified: VerifyResult) -> list[Block]:
+def _fate(case: CaseResult) -> str:
+    status = case.status.value
+    return f"{status}, {case.broken} from {case.broken_at_s:.1f} s on" if case.broken else status
+
+
+def _measured(verified: VerifyResult) -> Tabular:
     """Return §7's figures, by mass: the paper's, here, and whether predicted or calibrated."""
-    rows: list[list[str | Cell]] = []
+    rows: list[Row] = []
     for mass in sorted({case.mass_kg for case in verified.cases}):
         cases = of_mass(verified, mass)
-        measured = mass in MEASURED_INDEX_RANGE
         losses = f"{MEASURED_LOSS[mass]:g}" if mass in MEASURED_LOSS else "—"
         force = f"{MEASURED_FORCE_ERROR:g}" if mass == max(MEASURED_LOSS) else "—"
         index = milliseconds(MEASURED_INDEX_RANGE.get(mass))
-        final = f"≤ {MEASURED_FINAL_ERROR:g}" if measured else "—"
-        means = {
-            key: _means(cases, key)
+        final = f"≤ {MEASURED_FINAL_ERROR:g}" if mass in MEASURED_INDEX_RANGE else "—"
+        loss, pump, error = (
+            _means(cases, key)
             for key in ("energy_loss_j_per_mm", "pump_loss_j_per_mm", "force_error_integral_kn2s")
-        }
-        for words, paper, here, kind in (
-            ("performance index [ms]", index, _span(cases, "performance_index_ms"), "predicted"),
-            ("final error [mm]", final, _span(cases, "final_error_mm", 2), "predicted"),
-            ("energy loss, mean [J/mm]", losses, means["energy_loss_j_per_mm"], "calibrated"),
-            (
-                "… by pump power, as in §7.1 [J/mm]",
-                losses,
-                means["pump_loss_j_per_mm"],
-                "calibrated",
-            ),
-            ("∫ΔF² per set [kN² s]", force, means["force_error_integral_kn2s"], "calibrated"),
-        ):
-            rows.append([f"{mass / 1e3:g} t", words, paper, here, kind])
+        )
+        rows += [
+            [f"{mass / 1e3:g} t", *texts]
+            for texts in (
+                (_INDEX.axis.lower(), index, _span(cases, _INDEX.key), _FREE),
+                (_FINAL.axis.lower(), final, _span(cases, _FINAL.key, 2), _FREE),
+                ("energy loss, mean [J/mm]", losses, loss, _FITTED),
+                ("… by pump power, as in §7.1 [J/mm]", losses, pump, _FITTED),
+                ("∫ΔF² per set [kN² s]", force, error, _FITTED),
+            )
+        ]
     columns = [*right("Mass"), wide("Figure"), *right("Paper", "Here"), *left("Kind")]
-    others: list[list[str | Cell]] = [
+    return Tabular("Beside the paper's measurements (§7)", columns, rows)
+
+
+_FREE, _FITTED = "predicted", "calibrated"
+
+
+def _other_systems() -> Tabular:
+    rows: list[Row] = [
         [one.name, number(one.loss, 3), number(one.force_error, 3), one.where]
         for one in OTHER_SYSTEMS
     ]
-    other_columns = [wide("System"), *right("Loss [J/mm]", "∫ΔF² [kN² s]"), *left("Cited")]
-    return [
-        heading("Beside the paper's measurements (§7)"),
-        table(columns, rows, keep=True),
-        note(
-            "The paper's figures are of its published gains; here the gains of the first page were "
-            "used. Predicted: without fitting. Calibrated: the loss through the reading of "
-            "Q_conv, the force error through the position noise."
-        ),
-        heading("Other systems that §7 cites"),
-        table(other_columns, others, keep=True),
-    ]
+    columns = [wide("System"), *right("Loss [J/mm]", "∫ΔF² [kN² s]"), *left("Cited")]
+    return Tabular("Other systems that §7 cites", columns, rows)
 
 
 def of_mass(verified: VerifyResult | None, mass: float) -> list[CaseResult]:

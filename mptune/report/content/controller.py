@@ -3,26 +3,27 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mptune.params.pack import pack_gains
 from mptune.report.blocks import (
-    Cell,
+    Chapter,
+    Heading,
+    Note,
+    Prose,
+    Row,
+    Tabular,
     equations,
-    heading,
     left,
-    note,
-    prose,
     right,
-    section,
     symbol,
-    table,
     wide,
 )
 from mptune.signals.tustin import discretise
 from mptune.units import shown
 
 if TYPE_CHECKING:
+    from mptune.params.controller import Controller
     from mptune.report.results import Results
 
 _COEFFICIENTS = {
@@ -35,16 +36,43 @@ _COEFFICIENTS = {
 }
 
 
-def controller(results: Results) -> dict[str, Any]:
+def controller(results: Results) -> Chapter:
     """Return the controller, continuous and as the target runs it."""
     settings = results.study.study.controller
     law = discretise(pack_gains(results.sweep.gains), settings.sampling_period)
-    discrete: list[list[str | Cell]] = [
+    sets = results.sweep.gains, results.feedforward
+    gains: list[Row] = [
+        [symbol(mark), f"{getattr(found, key):.9g}", unit.replace("^2", "²"), meaning]
+        for found in sets
+        for key, unit, mark, meaning in found.quantities()
+    ]
+    discrete: list[Row] = [
         [symbol(mark), f"{getattr(law, key):.12g}", unit, meaning]
         for key, (mark, unit, meaning) in _COEFFICIENTS.items()
     ]
+    columns = [*left("Symbol"), *right("Value"), *left("Unit"), wide("Meaning")]
+    period = shown(settings.sampling_period, "s")
+    return Chapter.of(
+        "The controller",
+        Prose("Velocity controller, position controller, and what reaches the force controller:"),
+        equations("eq18 eq22", "fref"),
+        *Tabular("Continuous, SI", columns, gains).titled(),
+        Heading(f"Discrete: Tustin's approximation at T_S = {period}"),
+        equations("tustin"),
+        Tabular("Discrete", columns, discrete),
+        *_filters(settings).titled(),
+        Note(
+            "Positions and pressures pass a median of three samples before their first-order "
+            "filter; the velocity is Eq. 23 of the filtered position:"
+        ),
+        equations("eq23"),
+        new_page=True,
+    )
+
+
+def _filters(settings: Controller) -> Tabular:
     fast = settings.fast_sampling_period
-    filters: list[list[str | Cell]] = [
+    rows: list[Row] = [
         [name, shown(time, "s"), f"{math.exp(-fast / time):.9g}"]
         for name, time in (
             ("position", settings.position_filter),
@@ -52,31 +80,5 @@ def controller(results: Results) -> dict[str, Any]:
             ("supply pressures, converter pistons", settings.supply_filter),
         )
     ]
-    gains: list[list[str | Cell]] = [
-        [symbol(mark), f"{getattr(found, key):.9g}", unit.replace("^2", "²"), meaning]
-        for found in (results.sweep.gains, results.feedforward)
-        for key, unit, mark, meaning in found.quantities()
-    ]
-    period = shown(settings.sampling_period, "s")
-    return section(
-        "The controller",
-        prose("Velocity controller, position controller, and what reaches the force controller:"),
-        equations("eq18 eq22", "fref"),
-        heading("Continuous, SI"),
-        table([*left("Symbol"), *right("Value"), *left("Unit"), wide("Meaning")], gains, keep=True),
-        heading(f"Discrete: Tustin's approximation at T_S = {period}"),
-        equations("tustin"),
-        table(
-            [*left("Symbol"), *right("Value"), *left("Unit"), wide("Meaning")],
-            discrete,
-            keep=True,
-        ),
-        heading(f"Filters at {shown(fast, 's')}"),
-        table([wide("Signal"), *right("Time constant", "Pole")], filters, keep=True),
-        note(
-            "Positions and pressures pass a median of three samples before their first-order "
-            "filter; the velocity is Eq. 23 of the filtered position:"
-        ),
-        equations("eq23"),
-        new_page=True,
-    )
+    columns = [wide("Signal"), *right("Time constant", "Pole")]
+    return Tabular(f"Filters at {shown(fast, 's')}", columns, rows)

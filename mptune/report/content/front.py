@@ -2,62 +2,86 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
+from mptune.params.controller import Feedforward
 from mptune.params.paper import MEASURED_INDEX_RANGE, MEASURED_LOSS
 from mptune.report.blocks import (
-    Block,
     Cell,
     Column,
-    heading,
+    FrontPage,
+    Row,
+    Tabular,
     left,
     right,
     symbol,
-    table,
     verdict,
     wide,
 )
 from mptune.report.content.closed_loop import index_text, milliseconds, of_mass
+from mptune.report.content.tradeoff import controllers
 from mptune.robust.result import Status
 from mptune.robust.tables import place_text, undecided_text
-from mptune.tune.baselines import LABELS
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
+    from collections.abc import Iterable, Iterator, Sequence
+
     from mptune.params.section import Section
     from mptune.report.results import Results
-    from mptune.robust.result import Check
+    from mptune.robust.result import Check, SweepResult
+    from mptune.tune.result import TuneResult
 
 
-def front_page(results: Results) -> dict[str, Any]:
+NOT_RUN = "The nonlinear machine was not run: the controller refuses these margins."
+
+
+def front_page(results: Results) -> FrontPage:
     """Return the verdict with its reasons, and the tables of the first page."""
-    study = results.study
-    met = results.satisfied
-    return {
-        "about": f"Study {study.name}, uncertainty set {study.uncertainty_name or 'default'}, "
-        f"measurement path in the model: {study.study.model.measurement_path}",
-        "headline": "Every requirement is met" if met else "Some requirement is not met",
-        "status": _status(results),
-        "warnings": _warnings(results),
-        "blocks": [
-            *_gains(results),
-            *_requirements(results),
-            *_paper(results),
-            *_baselines(results),
-        ],
-    }
-
-
-def _status(results: Results) -> list[str]:
-    tuned = results.tuned
-    if tuned is None:
-        return ["The study's own gains were swept; nothing was tuned."]
-    before, after = tuned.figures_before.tracking, tuned.figures.tracking
-    words = (
-        f"Tuning: {tuned.status.value}. Worst linear tracking index {1e3 * before:.1f} ms with "
-        f"the study's gains, {1e3 * after:.1f} ms tuned."
+    study, swept = results.study, results.sweep
+    words = f"Study {study.name}, uncertainty set {study.uncertainty_name or 'default'}, "
+    ahead = results.feedforward, study.study.feedforward
+    tables = (
+        gains((swept.gains, ahead[0]), (results.published.gains, ahead[1])),
+        requirements(swept.checks),
+        _paper(results),
+        controllers(results.leftovers.compared).brief(),
     )
-    texts = [words]
+    return FrontPage(
+        about=[f"{words}measurement path in the model: {study.study.model.measurement_path}"],
+        headline=headline(met=results.satisfied),
+        status=list(_status(results)),
+        warnings=warnings(swept),
+        blocks=[block for table in tables for block in table.titled()],
+    )
+
+
+def headline(*, met: bool) -> str:
+    """Return the verdict on a whole job."""
+    return "Every requirement is met" if met else "Some requirement is not met"
+
+
+def _status(results: Results) -> Iterator[str]:
+    if results.tuned is None:
+        yield "The study's own gains were swept; nothing was tuned."
+    else:
+        yield " ".join(tuning(results.tuned))
+    if results.verified is None and not results.sweep.satisfied:
+        yield NOT_RUN
+
+
+def tuning(tuned: TuneResult) -> list[str]:
+    """Return how a tuning came out, what it gained, and what limits it."""
+    before, after = tuned.figures_before, tuned.figures
+    loop = tuned.sweep.study.study.objective.tracking_loop
+    gained = (
+        f"Study's own gains → tuned: worst tracking index ({loop} loop) "
+        f"{1e3 * before.tracking:.2f} → {1e3 * after.tracking:.2f} ms, integral gain "
+        f"{before.integral_gain:.3g} → {after.integral_gain:.3g} 1/s², load step "
+        f"{1e6 * before.load_step:.3g} → {1e6 * after.load_step:.3g} mm/kN, bandwidth "
+        f"{before.bandwidth:.3g} → {after.bandwidth:.3g} rad/s."
+    )
+    texts = [f"Tuning: {tuned.status.value}.", gained]
     if tuned.binding:
         texts.append(f"The gains lie at: {', '.join(tuned.binding)}.")
     blocking = tuned.blocking
@@ -73,10 +97,11 @@ def _status(results: Results) -> list[str]:
     return texts
 
 
-def _warnings(results: Results) -> list[str]:
-    undecided = undecided_text(results.sweep)
+def warnings(swept: SweepResult) -> list[str]:
+    """Return what the verdict does not say: undecided, unstable and unevaluated."""
+    undecided = undecided_text(swept)
     found = [undecided] if undecided else []
-    for family in results.sweep.families:
+    for family in swept.families:
         if not family.unstable_count:
             continue
         filtered = family.path == "filters"
@@ -85,100 +110,79 @@ def _warnings(results: Results) -> list[str]:
             f"{'with' if filtered else 'without'} the measurement path, for instance "
             f"{place_text(family.first_unstable())}."
         )
-        if filtered and results.study.study.model.measurement_path == "none":
+        if filtered and swept.study.study.model.measurement_path == "none":
             found[-1] += " Eq. 17 and Eq. 21 as stated leave that path out."
     found += [
-        f"{check.name} {check.limit}: cannot be evaluated, as some total delay is below half a "
+        f"{check.label} {check.limit}: cannot be evaluated, as some total delay is below half a "
         "sampling period."
-        for check in results.sweep.checks
+        for check in swept.checks
         if check.status is Status.NOT_EVALUATED
     ]
     return found
 
 
-def _gains(results: Results) -> list[Block]:
-    sets: list[tuple[Section, Section]] = [(results.sweep.gains, results.published.gains)]
-    ahead, own = results.feedforward, results.study.study.feedforward
-    if ahead != type(ahead)() or own != ahead:
-        sets.append((ahead, own))  # only where it is used: all off in the paper's own study
-    rows: list[list[str | Cell]] = [
+def gains(
+    found: Sequence[Section], before: Sequence[Section], heading: str = "Study's own"
+) -> Tabular:
+    """Return gains beside others, and feed-forward where it is used: it is off in the paper."""
+    rows: list[Row] = [
         [
             symbol(mark),
             Cell(key, "key"),
-            Cell(shown(getattr(found, key), unit), "strong"),
-            shown(getattr(before, key), unit),
+            Cell(shown(getattr(one, key), unit), "strong"),
+            shown(getattr(other, key), unit),
             meaning,
         ]
-        for found, before in sets
-        for key, unit, mark, meaning in found.quantities()
+        for one, other in zip(found, before, strict=True)
+        if not one == other == Feedforward()
+        for key, unit, mark, meaning in one.quantities()
     ]
-    columns = [*left("Symbol", "Key"), *right("Value", "Study's own"), wide("Meaning")]
-    return [heading("Gains"), table(columns, rows, keep=True)]
+    key, meaning = Column("Key", detail=True), wide("Meaning", detail=True)
+    return Tabular("Gains", [*left("Symbol"), key, *right("Value", heading), meaning], rows)
 
 
-def _requirements(results: Results) -> list[Block]:
-    columns = [*left("Requirement", "Limit"), *right("Found"), *left("Verdict"), wide("Where")]
-    rows = [_requirement(check) for check in results.sweep.checks]
-    return [heading("Requirements"), table(columns, rows, keep=True)] if rows else []
-
-
-def _requirement(check: Check) -> list[str | Cell]:
-    return [
-        check.name,
-        check.limit,
-        number(check.found),
-        verdict(check.status.value, good=check.status is Status.SATISFIED),
-        Cell(place_text(check.at), "small"),
+def requirements(checks: Iterable[Check]) -> Tabular:
+    """Return the requirements with what was found."""
+    rows: list[Row] = [
+        [
+            check.label,
+            check.limit,
+            number(check.found),
+            verdict(check.status.value, good=check.status is Status.SATISFIED),
+            Cell(check.grounds.value if check.grounds else "—", "small"),
+            Cell(place_text(check.at), "small"),
+        ]
+        for check in checks
     ]
+    columns = [*left("Requirement", "Limit"), *right("Found"), *left("Verdict", "Rests on")]
+    return Tabular("Requirements", [*columns, wide("Where", detail=True)], rows)
 
 
-def _paper(results: Results) -> list[Block]:
+def _paper(results: Results) -> Tabular:
     """Return index and loss beside the paper's, by mass."""
-    rows: list[list[str | Cell]] = []
+    rows: list[Row] = []
     for mass in sorted({case.mass_kg for case in results.moves}):
-        pairs = [
-            (before, after)
-            for before, after in zip(results.moves_before, results.moves, strict=True)
-            if after.mass_kg == mass
+        linear = [
+            index_text([case for case in moves if case.mass_kg == mass])
+            for moves in (results.moves_before, results.moves)
         ]
         cases = of_mass(results.verified, mass)
-        rows.append(
-            [
-                f"{mass / 1e3:g} t",
-                milliseconds(MEASURED_INDEX_RANGE.get(mass)),
-                index_text([before for before, _ in pairs]),
-                index_text([after for _, after in pairs]),
-                Cell(number(max(c.mean("performance_index_ms") for c in cases), 3), "strong")
-                if cases
-                else "—",
-                f"{MEASURED_LOSS[mass]:g}" if mass in MEASURED_LOSS else "—",
-                Cell(number(max(c.mean("energy_loss_j_per_mm") for c in cases), 3), "strong")
-                if cases
-                else "—",
-            ]
+        index, loss = (
+            Cell(number(max(case.mean(key) for case in cases), 3), "strong") if cases else "—"
+            for key in ("performance_index_ms", "energy_loss_j_per_mm")
         )
-    columns: list[Column] = right(
+        paper = f"{MEASURED_LOSS[mass]:g}" if mass in MEASURED_LOSS else "—"
+        stable = f"{sum(case.stable for case in cases)} of {len(cases)}" if cases else "—"
+        measured = milliseconds(MEASURED_INDEX_RANGE.get(mass))
+        rows.append([f"{mass / 1e3:g} t", measured, *linear, index, paper, loss, stable])
+    columns = right(
         "Mass",
         "Index [ms]\npaper",
         "linear,\nown gains",
-        "linear,\nthese gains",
-        "machine,\nthese gains",
+        "linear,\nthese",
+        "machine,\nthese",
         "Loss [J/mm]\npaper",
-        "machine,\nthese gains",
+        "machine,\nthese",
+        "Stable\nruns",
     )
-    return [heading("Beside the paper"), table(columns, rows, keep=True)] if rows else []
-
-
-def _baselines(results: Results) -> list[Block]:
-    """Return the tracking index of simpler controllers, where they were tuned."""
-    rows: list[list[str | Cell]] = [
-        [
-            LABELS[one["structure"]],
-            f"{1e3 * one['figures']['tracking_index_s']:.1f}",
-            verdict(one["status"] or "not tuned", good=one["satisfied"]),
-        ]
-        for one in results.leftovers.compared
-    ]
-    columns = [*left("Controller"), *right("Tracking index [ms]"), *left("Status")]
-    words = "Beside simpler controllers under the same requirements"
-    return [heading(words), table(columns, rows, keep=True)] if rows else []
+    return Tabular("Beside the paper", columns, rows)

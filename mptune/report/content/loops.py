@@ -2,22 +2,22 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.report.blocks import (
-    Block,
     Cell,
+    Chapter,
+    Column,
+    Figure,
+    Note,
+    Prose,
+    Row,
+    Tabular,
     equations,
-    figure,
-    heading,
     left,
-    note,
-    prose,
     right,
-    section,
     symbol,
-    table,
     verdict,
     wide,
 )
@@ -27,84 +27,99 @@ from mptune.robust.tables import EQUATIONS, margin_rows, place_text
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping, Sequence
+
     from mptune.report.results import Results
-    from mptune.robust.result import Condition
+    from mptune.robust.chain import Link
+    from mptune.robust.result import Condition, SweepResult
 
 _PATHS = {"none": "without", "filters": "with path"}
 
 
-def inequalities(results: Results) -> dict[str, Any]:
+def inequalities(results: Results) -> Chapter:
     """Return Eq. 17 and Eq. 21 over the family, and what drives the worst cases."""
-    return section(
+    swept = {"study's own": results.published}
+    if results.tuned is not None:
+        swept["tuned"] = results.sweep
+    return Chapter.of(
         "Both inequalities and step responses",
-        prose("Nominal and true velocity plant, the true one with the force loop of Eq. 11:"),
+        Prose("Nominal and true velocity plant, the true one with the force loop of Eq. 11:"),
         equations("eq14 eq15", "eq11"),
-        prose("Nominal and true position plant, with the velocity loop closed:"),
+        Prose("Nominal and true position plant, with the velocity loop closed:"),
         equations("eq19"),
-        prose(
+        Prose(
             "The loops stay stable over the whole family if the nominal closed loop is stable, "
             "nominal and true open loops have equally many unstable poles, and, at all "
             "frequencies ω > 0, the relative error of the plant stays below the right-hand side:"
         ),
         equations("eq16 eq20", "eq17 eq21"),
-        figure(
-            "panels",
+        Figure(
             "Both sides of Eq. 17 and Eq. 21, and the step responses of the linear model with "
             "exact dead time. Band: the family; on the left, all up to its largest. The thin "
             "vertical line marks the worst ratio.",
+            "panels",
         ),
-        table(
-            [
-                *left("Gains", "Condition"),
-                *right("Ratio", "Margin"),
-                wide("Worst at"),
-                *left("Nominal", "Poles", "Verdict"),
-            ],
-            _conditions(results),
-            keep=True,
-        ),
-        note(
+        conditions(swept),
+        Note(
             "Ratio: left over right side; margin: its inverse. The premises (nominal closed loop "
-            "stable, equally many unstable open-loop poles) are counted by encirclements. A finite "
-            "grid of plants and frequencies can only miss higher ratios: the figures err on the "
-            "optimistic side, along frequency by less than 10⁻⁴."
+            "stable, equally many unstable open-loop poles) are counted by encirclements. "
+            "Certified ratios hold over the whole box and all frequencies, up to the bound beside "
+            "them; a grid's can only miss higher ones."
         ),
-        *_influences(results),
+        *_influences(results).titled(_DRIVEN),
         new_page=True,
     )
 
 
-def _conditions(results: Results) -> list[list[str | Cell]]:
-    swept = {"study's own": results.published}
-    if results.tuned is not None:
-        swept["tuned"] = results.sweep
-    return [
-        _condition(label, condition)
+def conditions(swept: Mapping[str, SweepResult]) -> Tabular:
+    """Return both conditions of one or more sets of gains, by name."""
+    rows = [
+        [*([label] if len(swept) > 1 else []), *_condition(condition)]
         for label, sweep in swept.items()
         for condition in sweep.conditions
     ]
+    columns = left("Gains", "Condition") if len(swept) > 1 else left("Condition")
+    columns += [
+        *right("Ratio", "at most", "Margin"),
+        wide("Worst at"),
+        *left("Premises", "Verdict"),
+    ]
+    return Tabular("Robust stability over the family", columns, rows)
 
 
-def _condition(label: str, condition: Condition) -> list[str | Cell]:
-    limit = "limit of vanishing frequency"
-    stable, equal = condition.nominal_stable, condition.poles_equal
+def _condition(condition: Condition) -> list[str | Cell]:
+    premises = {
+        "nominal loop unstable": condition.nominal_stable,
+        "unequal poles": condition.poles_equal,
+    }
+    broken = ", ".join(words for words, holds in premises.items() if not holds)
     return [
-        label,
-        EQUATIONS[condition.name],
+        f"{EQUATIONS[condition.name]} ({condition.name})",
         f"{condition.worst_ratio:.4f}",
+        f"{condition.certified.bound:.4f}" if condition.certified else "—",
         f"{condition.margin:.3f}",
-        Cell(limit if condition.low_frequency_limit else place_text(condition.at), "small"),
-        verdict("stable" if stable else "not stable", good=stable),
-        verdict("equal" if equal else "unequal", good=equal),
-        verdict(condition.status.value, good=condition.satisfied),
+        Cell(_worst_at(condition), "small"),
+        verdict(broken or "hold", good=not broken),
+        verdict(f"{condition.status}, {condition.grounds}", good=condition.satisfied),
     ]
 
 
-def _influences(results: Results) -> list[Block]:
-    if not results.influences:
-        return []
+def _worst_at(condition: Condition) -> str:
+    limit = condition.low_frequency_limit
+    return "limit of vanishing frequency" if limit else place_text(condition.at)
+
+
+def condition_text(condition: Condition) -> str:
+    """Return one condition in a line."""
+    return (
+        f"{EQUATIONS[condition.name]}: margin {condition.margin:.3f}, worst at "
+        f"{_worst_at(condition)}."
+    )
+
+
+def _influences(results: Results) -> Tabular:
     words = {name: (unit, mark, meaning) for name, unit, mark, meaning in PARAMETERS}
-    rows: list[list[str | Cell]] = []
+    rows: list[Row] = []
     for one in results.influences:
         unit, mark, meaning = words[one.parameter]
         low, high = one.ratios
@@ -123,42 +138,35 @@ def _influences(results: Results) -> list[Block]:
         )
     columns = [*left("Condition", ""), wide("Parameter"), *right("Worst plant", "Range")]
     columns += right("Ratio, low end", "high end", "lower by")
-    return [
-        heading("Binding plants and what drives them"),
-        table(columns, rows, keep=True),
-        note(
-            "From each condition's worst plant one parameter at a time is moved to either end of "
-            "its range: the worst ratio over frequency there, and how far the lesser one lies "
-            "below the worst plant's. The strongest driver stands first."
-        ),
-    ]
+    return Tabular("Binding plants and what drives them", columns, rows)
 
 
-def loop_plots(results: Results) -> dict[str, Any]:
+_DRIVEN = Note(
+    "From each condition's worst plant one parameter at a time is moved to either end of its "
+    "range: the worst ratio over frequency there, and how far the lesser one lies below the worst "
+    "plant's. The strongest driver stands first."
+)
+
+
+def loop_plots(results: Results) -> Chapter:
     """Return the loops' Bode and Nyquist plots, encirclements and margins."""
-    margins: list[list[str | Cell]] = [
-        [symbol(label), *cells] for label, cells in margin_rows(results.sweep)
-    ]
-    columns = [wide("Margin"), *right("velocity", "with path", "position", "with path")]
-    columns += right("at F_ref", "with path", "sampled")
-    return section(
+    return Chapter.of(
         "Bode and Nyquist plots, margins",
-        figure(
-            "bode",
+        Figure(
             "Loop gains over the family: velocity loop, and position loop with the velocity loop "
             "closed. Dotted: the worst plant once median, position filter and Eq. 23 are in the "
             "loop.",
+            "bode",
         ),
-        figure(
-            "nyquist",
+        Figure(
             "Nyquist plots of the velocity loop and of the loop broken at F_ref, about the "
             "critical point. Thin: the corners of the family. The circle is where the "
             "sensitivity's magnitude is 2. Positive frequencies only.",
+            "nyquist",
         ),
-        *_encirclements(results),
-        heading("Worst margins of the true family"),
-        table(columns, margins, keep=True),
-        note(
+        *_encirclements(results).titled(_COUNTED),
+        *margins(results.sweep).titled(),
+        Note(
             "Smallest or largest over all plants; the delay margin is the least φ(ω)/ω over the "
             "crossovers, α the symmetric disk margin. A dash: some plant is unstable, so that the "
             "family has no such margin. At F_ref: both loops closed, broken at the force "
@@ -168,79 +176,114 @@ def loop_plots(results: Results) -> dict[str, Any]:
     )
 
 
-def _encirclements(results: Results) -> list[Block]:
-    if not results.encirclements:
-        return []
-    rows: list[list[str | Cell]] = [
+def _encirclements(results: Results) -> Tabular:
+    rows: list[Row] = [
         [
             symbol("velocity loop" if one.loop == VELOCITY else "loop at F_ref"),
             _PATHS[one.path],
-            verdict(str(one.nominal), good=one.nominal == 0),
-            "—" if one.worst is None else verdict(str(one.worst), good=one.worst == 0),
-            verdict(str(one.most), good=one.most == 0),
-            verdict(f"{one.unstable_plants} of {one.plants}", good=one.unstable_plants == 0),
+            _none_wanted(one.nominal),
+            "—" if one.worst is None else _none_wanted(one.worst),
+            _none_wanted(one.most),
+            _none_wanted(one.unstable_plants, f" of {one.plants}"),
             str(one.undecided_plants),
         ]
         for one in results.encirclements
     ]
     columns = [wide("Loop"), *left("Measurement path")]
     columns += right("nominal", "worst plant", "most in family", "unstable plants", "undecided")
-    return [
-        heading("Encirclements of −1"),
-        table(columns, rows, keep=True),
-        note(
-            "Clockwise encirclements over all frequencies, positive and negative. No plant has an "
-            "open-loop pole right of the imaginary axis, so these are the unstable closed-loop "
-            "poles; each count is certain, or the plant is listed as undecided."
-        ),
+    return Tabular("Encirclements of −1", columns, rows)
+
+
+_COUNTED = Note(
+    "Clockwise encirclements over all frequencies, positive and negative. No plant has an "
+    "open-loop pole right of the imaginary axis, so these are the unstable closed-loop poles; each "
+    "count is certain, or the plant is listed as undecided."
+)
+
+
+def _none_wanted(count: int, of: str = "") -> Cell:
+    return verdict(f"{count}{of}", good=count == 0)
+
+
+def margins(swept: SweepResult) -> Tabular:
+    """Return the worst margins of the true family, and how many plants are not stable."""
+    counts = [
+        _none_wanted(int((~(family.stable if loop else family.velocity_stable)).sum()))
+        for loop in range(3)
+        for family in swept.families
     ]
+    sampled = _none_wanted(swept.sampled.unstable_count) if swept.sampled else "—"
+    rows: list[Row] = [[symbol(label), *cells] for label, cells in margin_rows(swept)]
+    rows.append(["unstable plants", *counts, sampled])
+    paths = ("no path", "with path")
+    columns = [Column("Margin"), *right(*(f"velocity\n{path}" for path in paths))]
+    columns += right(*(f"position\n{path}" for path in paths))
+    columns += right(*(f"at F_ref\n{path}" for path in (*paths, "sampled")))
+    return Tabular("Worst margins of the true family", columns, rows)
 
 
-def sensitivities(results: Results) -> dict[str, Any]:
+def sensitivities(results: Results) -> Chapter:
     """Return sensitivity functions and the load step."""
     peaks = [
         number(family.worst("sensitivity_peak", FORCE)[0], 3) for family in results.sweep.families
     ]
-    return section(
+    return Chapter.of(
         "Sensitivity functions and load step",
-        figure(
-            "sensitivity",
+        Figure(
             "|S| and |T| of the velocity loop, of the position loop and of the loop at F_ref over "
             "the family. Dotted: the plant with the highest |S| once the measurement path is in "
             "the loop.",
+            "sensitivity",
         ),
-        prose(
+        Prose(
             f"Worst M_S at F_ref over the family: {peaks[0]} without the measurement path, "
             f"{peaks[1]} with it (a dash: some plant is unstable)."
         ),
-        figure(
-            "load",
+        Figure(
             "Position after a step of the load force, per kilonewton, on the linear model with "
             "exact dead time.",
+            "load",
         ),
     )
 
 
-def gain_chain(results: Results) -> dict[str, Any] | None:
+def gain_chain(results: Results) -> Chapter | None:
     """Return how far the gain at F_ref may rise, model by model."""
     if not results.chain:
         return None
-    rows: list[list[str | Cell]] = [
-        [link.name, factor_text(link.factor), Cell(place_text(link.at), "small")]
-        for link in results.chain
-    ]
-    return section(
-        "How far the gain at F_ref may rise",
-        figure(
-            "chain",
+    table = gain_factors(results.chain)
+    return Chapter.of(
+        table.title,
+        Figure(
             "Factor on K_P,vel, which multiplies all of F_ref, at which stability is lost, or for "
             "Eq. 17 and Eq. 21 no longer guaranteed. Hatched, left of 1: lost as it is.",
+            "chain",
         ),
-        table([*left("Model"), *right("Factor"), wide("Limited by")], rows, keep=True),
-        note(
+        table,
+        Note(
             "Each model is more complete than the one before; the machine is the study's "
             "verification cases, which are not the family's corners. A finite grid, and on the "
             "machine few movement sets, can only miss what limits sooner: the factors err on the "
             "high side."
         ),
     )
+
+
+def gain_factors(links: Sequence[Link]) -> Tabular:
+    """Return the chain's factors and what limits each."""
+    rows: list[Row] = [
+        [
+            link.name,
+            verdict(factor_text(link.factor), good=link.factor >= 1),
+            Cell(place_text(link.at), "small"),
+        ]
+        for link in links
+    ]
+    columns = [*left("Model"), *right("Factor"), wide("Limited by")]
+    return Tabular("How far the gain at F_ref may rise", columns, rows)
+
+
+def factors_text(links: Sequence[Link]) -> str:
+    """Return the chain's factors in a line."""
+    factors = ", ".join(f"{link.name} {factor_text(link.factor)}" for link in links)
+    return f"Gain at F_ref may rise by: {factors}."

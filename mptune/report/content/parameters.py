@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from mptune.loops.family import derived_time_constants
 from mptune.params.paper import LEDGER
@@ -10,37 +10,34 @@ from mptune.params.section import Section
 from mptune.report.blocks import (
     Block,
     Cell,
-    heading,
-    prose,
-    section,
+    Chapter,
+    Prose,
+    Row,
+    Tabular,
     symbol,
-    table,
     wide,
 )
 from mptune.units import shown
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from mptune.params.study import ResolvedStudy
     from mptune.report.results import Results
 
 
-def parameters(results: Results) -> dict[str, Any]:
+def parameters(results: Results) -> Chapter:
     """Return the study's sections with each parameter's symbol, value, meaning and source."""
     study = results.study
     tau_a, tau_b = (shown(pair, "s", ranged=True) for pair in derived_time_constants(study))
-    return section(
-        "Parameters and their sources",
-        prose(
-            "For this machine Eq. 4 and Eq. 12 give, over the stroke and the oil's range, τ_A = "
-            f"{tau_a} and τ_B = {tau_b}. The uncertainty set used is in the table below."
-        ),
-        *_sections(study),
-        new_page=True,
+    words = Prose(
+        "For this machine Eq. 4 and Eq. 12 give, over the stroke and the oil's range, τ_A = "
+        f"{tau_a} and τ_B = {tau_b}. The uncertainty set used is in the table below."
     )
+    return Chapter("Parameters and their sources", [words, *_sections(study)], new_page=True)
 
 
-def _sections(study: ResolvedStudy) -> list[Block]:
-    blocks: list[Block] = []
+def _sections(study: ResolvedStudy) -> Iterator[Block]:
     values = study.study.model_copy(update={"uncertainty": study.uncertainty})
     chosen = study.uncertainty_name
     columns = [wide("Symbol", 1.6), wide("Meaning", 5.2), wide("Value", 3.6), wide("Source", 6.6)]
@@ -49,7 +46,7 @@ def _sections(study: ResolvedStudy) -> list[Block]:
         if not isinstance(part, Section) or name not in study.study.model_fields_set:
             continue  # a list, or a section that the study leaves out
         prefix = f"uncertainty.sets.{chosen}" if name == "uncertainty" and chosen else name
-        rows: list[list[str | Cell]] = [
+        rows: list[Row] = [
             [
                 symbol(mark),
                 meaning,
@@ -59,20 +56,16 @@ def _sections(study: ResolvedStudy) -> list[Block]:
             for key, unit, mark, meaning in part.quantities()
             if getattr(part, key) is not None
         ]
-        if rows:
-            blocks += [heading(name), table(columns, rows, keep=True)]
-    return blocks
+        yield from Tabular(name, columns, rows).titled()
 
 
-def ledger(_results: Results) -> dict[str, Any]:
+def ledger(_results: Results | None = None) -> Chapter:
     """Return the ledger of disagreements with the paper."""
-    rows: list[list[str | Cell]] = [
+    rows: list[Row] = [
         [Cell(text, "small") for text in (entry.where, entry.reads, entry.used, entry.why)]
         for entry in LEDGER
     ]
     columns = [wide("Where", 2.2), wide("The paper reads", 3.2), wide("Used here", 4)]
-    return section(
-        "Where this differs from the paper",
-        table([*columns, wide("Why", 7.6)], rows),
-        new_page=True,
-    )
+    columns.append(wide("Why", 7.6))
+    table = Tabular("Where mptune differs from the paper", columns, rows, keep=False)
+    return Chapter(table.title, [table], new_page=True)

@@ -82,6 +82,12 @@ def test_a_study_of_another_model_is_refused_beside_study(cli, gains, study_file
     assert "leave --study out" in err
 
 
+def test_a_missing_file_may_be_gains_or_a_study(cli, study_file, tmp_path):
+    code, _, err = cli("compare", study_file, tmp_path / "gone.toml")
+    assert code == 2
+    assert "`mptune tune STUDY` writes gains" in err
+
+
 @pytest.mark.parametrize("count", [0, 1])
 def test_fewer_than_two_are_bad_usage(cli, study_file, count):
     assert cli("compare", *([study_file] * count))[0] == 2

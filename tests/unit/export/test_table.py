@@ -20,6 +20,7 @@ def test_toml_and_json_hold_the_numbers_to_the_last_bit(request, which):
     assert table["gains"] == controller.gains.model_dump()
     assert table["provenance"] == values["provenance"] == controller.provenance()
     assert table["verdict"] == values["verdict"]
+    assert table["format"] == values["format"] == 1
 
 
 def test_provenance_names_study_version_dates_and_precision(controller, study):

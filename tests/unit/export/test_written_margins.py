@@ -11,7 +11,7 @@ from mptune.robust.result import Status
 
 
 def names(checks):
-    return [check.name for check in checks]
+    return [check.key for check in checks]
 
 
 def test_exact_numbers_keep_every_requirement(controller):
@@ -34,7 +34,7 @@ def test_rounding_that_breaks_a_requirement_is_named(load_boom):
     exact = prepare(study, gains_of(study), Precision.DOUBLE)
     rounded = prepare(study, gains_of(study), Precision.DOUBLE, digits=1)
     assert exact.margins.broken == ()
-    assert "velocity_ratio (Eq. 17)" in names(rounded.margins.broken)
+    assert "velocity_ratio" in names(rounded.margins.broken)
 
 
 def test_what_failed_before_is_not_broken_by_writing(load_boom):
@@ -66,5 +66,5 @@ def test_coefficients_far_from_any_gains_are_not_vouched_for(study):
     gains = study.study.gains
     margins = written_margins(study, gains, Written(gains, 12e-3, 1e-3))
     (check,) = margins.broken
-    assert "coefficients" in check.name
+    assert "coefficients" in check.key
     assert check.status is Status.VIOLATED

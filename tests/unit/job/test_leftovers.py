@@ -9,6 +9,7 @@ from mptune.identify.excitation import Excitation
 from mptune.identify.result import IdentifyResult, Panel
 from mptune.identify.store import read_panels, write_identification
 from mptune.job.leftovers import keep, leftovers
+from mptune.report.blocks import plain
 from mptune.report.content.identification import identification
 from mptune.report.content.tradeoff import comparison, front
 from mptune.report.content.weights import weights
@@ -116,4 +117,4 @@ def test_sections_appear_only_with_their_results(folder, boom):
     for make, words in sections:
         assert make(empty) is None
         found = Results(boom, None, None, boom.study.feedforward, leftovers=leftovers(folder, boom))
-        assert words in json.dumps(make(found), ensure_ascii=False)
+        assert words in json.dumps(make(found), default=plain, ensure_ascii=False)

@@ -15,6 +15,7 @@ from scipy.linalg import expm
 from scipy.signal import cont2discrete, tf2ss
 
 from mptune.loops.broken import FORCE, loop_gain
+from mptune.loops.family import FamilyLoops
 from mptune.loops.sampled import (
     coefficient_count,
     multipliers,
@@ -22,9 +23,9 @@ from mptune.loops.sampled import (
     sampled_plant,
     stable_as_sampled,
 )
-from mptune.params.pack import FeedforwardTuple, LoopGains, MeasurementPath, Plants
+from mptune.params.pack import FeedforwardTuple, LoopGains, MeasurementPath, Plant, Plants
 from mptune.signals.trajectory import quintic
-from mptune.sim.sampled import SampledPlant, run_linear
+from mptune.sim.sampled import run_linear
 
 PERIOD, FAST, SHARE_A = 0.01, 0.0005, 4 / 7
 PATH = MeasurementPath(FAST, float(np.exp(-FAST / 0.012)), 0.012)
@@ -131,16 +132,21 @@ class Simulation:
         return found[0]
 
 
-def as_sampled(plant, path=PATH, period=PERIOD):
+def with_hold(plant, period=PERIOD):
+    """Return the plant with its total delay: what is given holds valve and computation alone."""
     mass, delay, tau_a, tau_b = plant
-    count = coefficient_count(delay, path, period)
-    return sampled_plant(mass, delay, tau_a, tau_b, SHARE_A, path, period, count)
+    return Plant(mass, delay + period / 2, tau_a, tau_b, SHARE_A)
 
 
-def family(*plants, period=PERIOD):
-    """Return plants whose delays are given without the hold."""
-    mass, delay, tau_a, tau_b = np.array(plants, float).T.copy()
-    return Plants(mass, delay + period / 2, tau_a, tau_b)
+def as_sampled(plant, path=PATH, period=PERIOD):
+    true = with_hold(plant, period)
+    return sampled_plant(true, path, period, coefficient_count(true.delay, path, period))
+
+
+def family(*plants, gains=GAINS, path=PATH, period=PERIOD):
+    """Return the loops around some plants."""
+    columns = np.array([with_hold(plant, period) for plant in plants]).T.copy()
+    return FamilyLoops(Plants(*columns), gains, path)
 
 
 @pytest.mark.parametrize("name", PLANTS)
@@ -164,7 +170,7 @@ def worst_mismatch(plant, gains=GAINS, path=PATH, period=PERIOD, outside=0):
     ``outside`` integrators are in the simulation but not in the loop.
     """
     simulation = Simulation(plant, gains, path, period)
-    found = multipliers(family(plant, period=period), SHARE_A, gains, path, period)[0]
+    found = multipliers(family(plant, gains=gains, path=path, period=period), period)[0]
     points = np.concatenate([radius * np.exp(1j * np.linspace(0.1, 6, 7)) for radius in (0.9, 1.3)])
     worst = 0.0
     for z in points:
@@ -177,7 +183,7 @@ def worst_mismatch(plant, gains=GAINS, path=PATH, period=PERIOD, outside=0):
 @pytest.mark.parametrize("name", PLANTS)
 def test_multipliers_are_the_eigenvalues_of_a_simulated_period(name):
     expected = np.linalg.eigvals(Simulation(PLANTS[name]).monodromy)
-    found = multipliers(family(PLANTS[name]), SHARE_A, GAINS, PATH, PERIOD)[0]
+    found = multipliers(family(PLANTS[name]), PERIOD)[0]
     slow = expected[np.abs(expected) > 0.5]
     distance = np.abs(slow[:, None] - found).min(axis=1).max()
     mismatch = worst_mismatch(PLANTS[name])
@@ -217,17 +223,17 @@ def test_integrators_outside_the_loop_do_not_make_it_unstable(k_p_pos, outside):
     plant = PLANTS["Sec. 5.1's worst"]
     assert worst_mismatch(plant, gains, outside=outside) < 1e-6
     for factor, expected in ((1.0, True), (3.0, False)):
-        scaled = gains._replace(k_p_vel=factor * gains.k_p_vel)
-        stable, sure = stable_as_sampled(family(plant), SHARE_A, scaled, PATH, PERIOD)
+        loops = family(plant, gains=gains).scaled(factor)
+        stable, sure = stable_as_sampled(loops, PERIOD)
         assert stable[0] == expected
         assert sure[0]
 
 
 def test_each_plant_of_a_family_is_judged_as_if_alone():
     plants = list(PLANTS.values())
-    together = multipliers(family(*plants), SHARE_A, GAINS, PATH, PERIOD)
+    together = multipliers(family(*plants), PERIOD)
     for row, plant in zip(together, plants, strict=True):
-        alone = multipliers(family(plant), SHARE_A, GAINS, PATH, PERIOD)[0]
+        alone = multipliers(family(plant), PERIOD)[0]
         assert np.abs(row).max() == pytest.approx(np.abs(alone).max(), rel=1e-9)
 
 
@@ -249,15 +255,14 @@ def test_the_stability_limit_is_where_the_simulated_movement_begins_to_grow(name
 
     def swings(factor):
         gains = GAINS._replace(k_p_vel=factor * GAINS.k_p_vel)
-        one = SampledPlant(*plant, SHARE_A)
+        one = with_hold(plant)
         reference, position, *_ = run_linear(one, gains, PATH, PERIOD, move, plain, ticks)
         error = np.abs(reference - position)
         early, late = error[20_000:25_000].max(), error[55_000:].max()
         return not np.isfinite(late) or late > max(early, 1e-9)
 
     def unstable(factor):
-        gains = GAINS._replace(k_p_vel=factor * GAINS.k_p_vel)
-        return not stable_as_sampled(family(plant), SHARE_A, gains, PATH, PERIOD)[0][0]
+        return not stable_as_sampled(family(plant).scaled(factor), PERIOD)[0][0]
 
     in_time, by_multipliers = limit(swings), limit(unstable)
     print(f"{name}: {in_time:.4f} in time, {by_multipliers:.4f} by multipliers")
@@ -266,17 +271,15 @@ def test_the_stability_limit_is_where_the_simulated_movement_begins_to_grow(name
 
 @pytest.mark.parametrize("name", ["Sec. 5.1's worst", "no lag of side A"])
 def test_sampled_ever_faster_it_tends_to_the_continuous_loop(name):
-    mass, delay, tau_a, tau_b = PLANTS[name]
     omega = np.geomspace(1, 30, 12)
     errors = []
     for period in (0.01, 0.005, 0.0025, 0.00125):
         fast = period / 5
         path = MeasurementPath(fast, float(np.exp(-fast / 0.012)), 0.012)
-        plant = as_sampled((mass, delay, tau_a, tau_b), path, period)
-        hold = delay + period / 2
+        sampled, true = as_sampled(PLANTS[name], path, period), with_hold(PLANTS[name], period)
         ratios = [
-            sampled_loop(1j * w, plant, GAINS, period)
-            / loop_gain(FORCE, 1j * w, mass, hold, tau_a, tau_b, SHARE_A, GAINS, path)
+            sampled_loop(1j * w, sampled, GAINS, period)
+            / loop_gain(FORCE, 1j * w, true, GAINS, path)
             for w in omega
         ]
         errors.append(np.abs(np.array(ratios) - 1).max())

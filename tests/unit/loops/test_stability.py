@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from mptune.loops.broken import FORCE, VELOCITY
+from mptune.loops.broken import VELOCITY
 from mptune.loops.family import FamilyLoops
 from mptune.loops.stability import count_unstable_poles
 from mptune.params.pack import NO_PATH, LoopGains, Plants
@@ -18,8 +18,8 @@ def integrator_with_dead_time(gain, mass, delay):
     mass, delay = np.atleast_1d(mass).astype(float), np.atleast_1d(delay).astype(float)
     zero = np.zeros(len(mass))
     gains = LoopGains(gain, 0.0, 0.0, 42.0, 0.55, 0.006)
-    plants = Plants(mass, delay, zero, zero)
-    return count_unstable_poles(FamilyLoops(VELOCITY, plants, 0.57, gains, NO_PATH))
+    plants = Plants(mass, delay, zero, zero, zero + 0.57)
+    return count_unstable_poles(FamilyLoops(plants, gains, NO_PATH, VELOCITY))
 
 
 def test_an_integrator_with_dead_time_is_stable_below_m_pi_over_2d():
@@ -68,7 +68,7 @@ def test_without_a_proportional_term_the_position_loop_is_unstable():
     mass = np.array([24500.0])
     zero = np.zeros(1)
     gains = LoopGains(700e3, 0.0, 22.0, 42.0, 0.55, 0.006)
-    loops = FamilyLoops(FORCE, Plants(mass, zero, zero, zero), 0.57, gains, NO_PATH)
+    loops = FamilyLoops(Plants(mass, zero, zero, zero, zero + 0.57), gains, NO_PATH)
     count = count_unstable_poles(loops)
     roots = np.roots([24500, 700e3, 0, 700e3 * 22])
     assert count.decided.all()

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import hashlib
+import json
 import tomllib
 
 import pytest
@@ -10,9 +12,37 @@ from hypothesis import strategies as st
 
 from mptune.errors import InputError, OutputError
 from mptune.params.controller import Feedforward
-from mptune.params.gains import GainsFile, now, read_gains, write_gains
+from mptune.params.format import GAINS_FORMAT
+from mptune.params.gains import GainsFile, accepted_gains, now, read_gains, write_gains
 
 HASH = "a" * 64
+EARLY = f"""\
+study = "boom"
+study_hash = "{HASH}"
+uncertainty = ""
+version = "0.1.0"
+date = "2026-01-01T00:00:00Z"
+margins = "satisfied"
+closed_loop = "not run"
+content_hash = "edc6f59141c730df4f331fc1cab2d8a582866ce60a60c491146f3a4ffd1e869e"
+
+[gains]
+k_p_vel = 700000.0
+k_p_pos = 13.0
+k_i_pos = 22.0
+omega = 42.0
+xi = 0.55
+tau = 0.0123
+
+[feedforward]
+acceleration_mass = 20000.0
+reference_lag = 0.0
+velocity_reference_lag = 0.0
+
+[figures.velocity]
+worst_ratio = 0.641
+where = [24500.0, 0.0215]
+"""
 
 
 def gains_file(**changes):
@@ -140,7 +170,89 @@ def test_a_file_that_was_cut_off_is_refused(written, landmark, after):
         read_gains(path)
 
 
+@pytest.mark.parametrize("content", [None, ""])
+def test_a_file_that_is_missing_or_empty_is_for_the_tuner_to_write(tmp_path, content):
+    path = tmp_path / "gains.toml"
+    if content is not None:
+        path.write_text(content)
+    with pytest.raises(InputError, match="let `mptune tune STUDY` write it") as caught:
+        read_gains(path)
+    assert "mptune new" not in str(caught.value)
+
+
+def test_nobody_is_asked_to_write_a_missing_gain_into_a_study(written):
+    path, text = written
+    fault = fault_of(path, text.replace("omega = 42.0", ""))
+    assert (fault.key, fault.remedy) == ("gains.omega", "tune or export it again")
+
+
+def test_a_file_carries_its_format_and_is_read_without(written):
+    path, text = written
+    assert tomllib.loads(text)["format"] == GAINS_FORMAT.newest
+    numbered = read_gains(path)
+    path.write_text(text.replace("format = 1\n", ""), encoding="utf-8")
+    assert read_gains(path, HASH) == numbered
+
+
+def test_a_file_from_before_there_were_formats_is_read(tmp_path):
+    """To the letter as the first version wrote it, its hash of its content included."""
+    path = tmp_path / "gains.toml"
+    path.write_text(EARLY, encoding="utf-8")
+    early = read_gains(path, HASH)
+    assert (early.gains.tau, early.feedforward.acceleration_mass) == (0.0123, 20e3)
+    path.write_text(EARLY.replace("0.0123", "0.0124"), encoding="utf-8")
+    with pytest.raises(InputError, match="edited or cut off"):
+        read_gains(path)
+
+
+def test_a_file_that_lacks_a_key_of_later_versions_is_whole_by_its_own_hash(tmp_path):
+    path = tmp_path / "gains.toml"
+    text = EARLY.replace("velocity_reference_lag = 0.0\n", "")
+    values = tomllib.loads(text)
+    stated = values.pop("content_hash")
+    own = hashlib.sha256(json.dumps(values, sort_keys=True).encode()).hexdigest()
+    path.write_text(text.replace(stated, own), encoding="utf-8")
+    assert read_gains(path).feedforward.velocity_reference_lag == 0.0
+    path.write_text(text, encoding="utf-8")
+    with pytest.raises(InputError, match="edited or cut off"):
+        read_gains(path)
+
+
+def test_a_newer_format_is_refused_as_such_and_not_as_an_edited_file(written):
+    path, text = written
+    fault = fault_of(path, text.replace("format = 1\n", "format = 2\nnew = 1\n"))
+    assert (fault.key, fault.value, fault.remedy) == ("format", "2", "update mptune")
+
+
+@pytest.mark.parametrize("value", ['"1"', "1.0", "true", "[1]", "{}"])
+def test_a_format_that_is_no_whole_number_is_refused(written, value):
+    path, text = written
+    fault = fault_of(path, text.replace("format = 1\n", f"format = {value}\n"))
+    assert fault.key == "format"
+    assert "no whole number" in fault.rule
+
+
 def test_gains_that_cannot_be_written_are_an_output_error(tmp_path):
     (tmp_path / "file").write_text("x")
     with pytest.raises(OutputError):
         write_gains(tmp_path / "file" / "gains.toml", gains_file())
+
+
+def test_a_controller_accepts_satisfied_margins(written):
+    assert accepted_gains(written[0], HASH) == read_gains(written[0])
+
+
+@pytest.mark.parametrize("margins", ["violated", "not run"])
+def test_a_controller_refuses_margins_that_are_not_satisfied_unless_forced(tmp_path, margins):
+    path = write_gains(tmp_path / "gains.toml", gains_file(margins=margins))
+    with pytest.raises(InputError) as caught:
+        accepted_gains(path, HASH)
+    (fault,) = caught.value.faults
+    assert (fault.key, fault.value) == ("margins", margins)
+    assert "--force" in fault.remedy
+    assert accepted_gains(path, HASH, force=True).margins == margins
+
+
+def test_force_does_not_make_gains_of_another_study_acceptable(written):
+    with pytest.raises(InputError, match="another model"):
+        accepted_gains(written[0], "b" * 64, force=True)

@@ -269,15 +269,19 @@ def test_an_objective_is_either_a_kind_or_weights(write_study, objective):
 
 
 @pytest.mark.parametrize(
-    "sources", ['{cylindre = "published: Table 1"}', '{cylinder = "somebody told me"}']
+    ("key", "source", "rule"),
+    [
+        ("cylindre", "published: Table 1", "no section"),
+        ("cylinder", "somebody told me", "none of published, derived"),
+    ],
 )
-def test_a_source_that_says_nothing_is_refused(write_study, sources):
-    (fault,) = faults_of(write_study({"sources": sources}))
-    assert "published" in fault.rule
+def test_a_source_that_says_nothing_is_refused(write_study, key, source, rule):
+    path = write_study({"sources": f'{{{key} = "{source}"}}'})
+    refused(path, f"sources.{key}", rule, '"cylinder.bore" = "derived: how"')
 
 
 def test_a_missing_file_is_an_input_error(tmp_path):
-    refused(tmp_path / "study.toml", "", "does not exist", "path")
+    refused(tmp_path / "study.toml", "", "does not exist", "start a study with `mptune new NAME`")
 
 
 def test_a_folder_is_an_input_error(tmp_path):

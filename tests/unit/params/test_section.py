@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+from typing import Literal, Optional
+
 import pytest
-from pydantic import ValidationError
+from pydantic import Field, ValidationError
 
 from mptune.params.section import Range, Section, quantity
 
@@ -37,3 +39,23 @@ def test_bounds_hold_for_plain_si_numbers_too():
 
 def test_quantities_come_with_unit_symbol_and_meaning():
     assert list(Part.quantities()) == [("length", "m", "L", "length"), ("span", "s", "T", "span")]
+
+
+class Spans(Section):
+    maybe: Range | None = quantity("s", "T", "a range or nothing", None)
+    older: Optional[Range] = quantity("s", "T", "the same, in typing's words", None)  # noqa: UP045 - as it may be written
+    word: Range | Literal["all"] = quantity("s", "T", "or a word", "all", words=("all",))
+    several: tuple[Range, ...] = quantity("s", "T", "list of ranges", (("1 s", "2 s"),))
+    printed: Literal["tuple[float, float]", "..."] = "..."
+    named: dict[str, Range] = Field(default_factory=dict)
+
+
+def test_a_range_is_asked_by_its_type_in_whatever_union_it_stands():
+    ranges = {name for name in Spans.model_fields if Spans.is_range(name)}
+    assert ranges == {"maybe", "older", "word"}
+
+
+def test_a_list_of_ranges_is_no_range():
+    assert Spans.model_validate({"several": [["1 s", "2 s"], ["3 s", "4 s"]]}).several[1] == (3, 4)
+    with pytest.raises(ValidationError, match="a list is needed"):
+        Spans.model_validate({"several": "1 s"})

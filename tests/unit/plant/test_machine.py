@@ -12,7 +12,7 @@ from mptune.plant import machine as plant
 from mptune.plant.piston import burden_at
 from mptune.plant.supplies import accumulator_pressure, oil_at_pressure
 from mptune.plant.valve import open_valves
-from mptune.sim import closed_loop as loop
+from mptune.sim.integrator import integrate, new_work
 from mptune.verify.verify import new_memory
 
 TICK = 5e-4
@@ -149,9 +149,14 @@ def test_the_mirrored_machine_moves_alike(machine):
 
 def simulate(memory, machine, ticks):
     """Integrate as the closed loop does, calm rule and all."""
-    work = loop.new_work(memory.valves)
+    work = new_work(memory.valves)
     for tick in range(ticks):
-        loop._integrate(memory, machine, NO_TABLE, 2e-3, tick * TICK, TICK, work)
+        advance(memory, machine, tick, work)
+
+
+def advance(memory, machine, tick, work):
+    state, energy, valves = memory.state, memory.energy, memory.valves
+    integrate(state, energy, valves, 0.0, machine, NO_TABLE, 2e-3, tick * TICK, TICK, work)
 
 
 def settled(boom, machine, state, states):
@@ -211,11 +216,11 @@ def test_kinetic_energy_is_what_the_piston_s_work_leaves(boom, machine):
     """Piston work less friction and load, from the trajectory, is the change of m v²/2."""
     random = np.random.default_rng(6)
     memory = settled(boom, machine, random_state(random, machine, 0.5), (5, 2))
-    before, work = memory.state.copy(), loop.new_work(memory.valves)
+    before, work = memory.state.copy(), new_work(memory.valves)
     lost = 0.0
     for tick in range(20):
         v = memory.state[1]
-        loop._integrate(memory, machine, NO_TABLE, 2e-3, tick * TICK, TICK, work)
+        advance(memory, machine, tick, work)
         mean = 0.5 * (v + memory.state[1])
         lost += TICK * mean * (plant.friction(mean, machine) + machine.load)
     gained = 0.5 * machine.mass * (memory.state[1] ** 2 - before[1] ** 2)

@@ -1,8 +1,22 @@
 """The parts of a report: what is taken for a symbol, and what stays as it stands."""
 
+import json
+
 import pytest
 
-from mptune.report.blocks import Cell, right, runs, section, table
+from mptune.report.blocks import (
+    Break,
+    Chapter,
+    Heading,
+    Note,
+    Prose,
+    Tabular,
+    Words,
+    plain,
+    right,
+    symbol,
+    wide,
+)
 
 
 @pytest.mark.parametrize(
@@ -18,23 +32,50 @@ from mptune.report.blocks import Cell, right, runs, section, table
     ],
 )
 def test_symbols_of_the_report_s_own_words_get_a_subscript(text, pairs):
-    assert [(run["text"], run["sub"]) for run in runs(text)] == pairs
+    assert [(run["text"], run["sub"]) for run in Words(text).runs] == pairs
 
 
 def test_runs_lose_no_letter():
     text = "K_P,vel of F_ref, and x_2"
-    assert "".join(run["text"] for run in runs(text)) == text.replace("_", "")
+    assert "".join(run["text"] for run in Words(text).runs) == text.replace("_", "")
+
+
+def made(part):
+    """Return a part as the templates get it."""
+    return json.loads(json.dumps(part, default=plain))
 
 
 def test_cells_carry_their_look_and_columns_their_side():
-    made = table(right("a"), [["plain"], [Cell("x_1", "symbol")]], keep=True)
-    assert [row[0]["look"] for row in made["rows"]] == ["", "symbol"]
-    assert made["columns"][0]["align"] == "right"
-    assert made["keep"]
+    table = made(Tabular("Title", right("of F_ref"), [["plain"], [symbol("x_1")]]))
+    assert table["kind"] == "tabular"
+    assert table["rows"] == [["plain"], [{"text": "x_1", "look": "symbol", "kind": "cell"}]]
+    assert table["columns"][0]["align"] == "right"
+    assert table["columns"][0]["runs"] == Words("of F_ref").runs
+    assert table["keep"]
 
 
-def test_a_section_keeps_its_blocks_in_order():
-    made = section("Title of F_ref", {"kind": "a"}, {"kind": "b"}, new_page=True)
-    assert [block["kind"] for block in made["blocks"]] == ["a", "b"]
-    assert made["title"] == "Title of F_ref"
-    assert made["new_page"]
+def test_a_chapter_keeps_its_blocks_in_order():
+    one = made(Chapter.of("Title of F_ref", Prose("a"), Break(), Note("b"), new_page=True))
+    assert [block["kind"] for block in one["blocks"]] == ["prose", "break", "note"]
+    assert one["text"] == "Title of F_ref"
+    assert [run["sub"] for run in one["runs"]] == [False, True]
+    assert one["new_page"]
+
+
+def test_a_table_without_rows_has_no_heading_and_nothing_after_it():
+    empty, full = Tabular("Title", right("a"), []), Tabular("Title", right("a"), [["1"]])
+    assert empty.titled(Note("said of it")) == []
+    assert full.titled(Note("said of it")) == [Heading("Title"), full, Note("said of it")]
+
+
+def test_parts_of_different_kinds_differ():
+    assert Prose("a") == Prose("a")
+    assert Prose("a") != Note("a")
+
+
+def test_a_brief_table_leaves_out_its_columns_of_detail_only():
+    columns = [*right("a"), *right("b", detail=True), wide("c"), wide("d", detail=True)]
+    brief = Tabular("Title", columns, [["1", "2", "3", "4"]]).brief()
+    assert [column.text for column in brief.columns] == ["a", "c"]
+    assert brief.rows == [["1", "3"]]
+    assert brief.title == "Title"

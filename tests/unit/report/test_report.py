@@ -12,9 +12,7 @@ import pytest
 from mptune.job.report import results_of
 from mptune.job.run import run
 from mptune.params.pack import pack_gains
-from mptune.report.content import document
-from mptune.report.pdf import write_pdf
-from mptune.report.web import write_html
+from mptune.report.document import write_report
 from mptune.robust.chain import factor_text
 from mptune.robust.encirclements import encirclements
 from mptune.signals.tustin import discretise
@@ -45,10 +43,8 @@ def changed(job, tmp_path, **changes):
 
 def written(path, results):
     """Return the text of both reports, written without figures."""
-    words = document(results, ())
-    return text_of(write_pdf(path / "one.pdf", words, {})), write_html(
-        path / "one.html", words, {}
-    ).read_text(encoding="utf-8")
+    pdf, html = write_report(path / "one", results, {})
+    return text_of(pdf), html.read_text(encoding="utf-8")
 
 
 def pdf_of(job):
@@ -65,7 +61,7 @@ def test_text_holds_verdict_gains_and_sources(job, text):
     for key, unit, _, _ in job.tuned.gains.quantities():
         assert shown(getattr(job.tuned.gains, key), unit) in text
     assert "published: Table 2" in text
-    assert "Where this differs from the paper" in text
+    assert "Where mptune differs from the paper" in text
 
 
 def test_the_chain_is_in_the_report_with_every_factor(job, text):

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 
 from mptune.loops.broken import FORCE, VELOCITY
-from mptune.loops.family import FamilyLoops
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import NO_PATH, Plants, pack_filters, pack_gains
 from mptune.robust.margins import family_margins
+from mptune.robust.model import LinearModel
+from mptune.robust.place import PlantPoint
 
 REFERENCE = Path(__file__).parents[2] / "reference"
 LOOPS = {"velocity": VELOCITY, "force": FORCE}
@@ -44,19 +44,16 @@ def test_the_worst_ratio_and_its_plant(request, row):
     assert at.frequency_rad_s == pytest.approx(float(row["frequency_rad_s"]), rel=0.01)
 
 
-def plant_of(row):
-    keys = ("mass_kg", "delay_s", "tau_a_s", "tau_b_s")
-    return Plants(*(np.array([float(row[key])]) for key in keys))
-
-
-def path_of(row, boom):
-    return NO_PATH if row["path"] == "none" else pack_filters(boom.study.controller)
+def loop_of(row, boom):
+    """Return the loop of the row's plant and path with the published gains."""
+    model, keys = LinearModel.of(boom), ("mass_kg", "delay_s", "tau_a_s", "tau_b_s")
+    at = PlantPoint(*(float(row[key]) for key in keys), frequency_rad_s=np.nan)
+    return model.loops(model.gains, model.path_of(row["path"]), model.plant(at))
 
 
 @pytest.mark.parametrize("row", STABLE, ids=label)
 def test_the_sensitivity_peak_and_the_gain_margin(boom, row):
-    gains, share_a = pack_gains(boom.study.gains), boom.study.cylinder.share_a
-    margins = family_margins(GRID, plant_of(row), share_a, gains, path_of(row, boom))
+    margins = family_margins(GRID, loop_of(row, boom))
     which = LOOPS[row["loop"]]
     peak, at = margins.sensitivity_peak[which, 0], margins.sensitivity_frequency[which, 0]
     assert peak == pytest.approx(float(row["m_s"]), rel=1e-6)
@@ -66,8 +63,6 @@ def test_the_sensitivity_peak_and_the_gain_margin(boom, row):
 
 @pytest.mark.parametrize("row", SENSITIVITY, ids=label)
 def test_the_number_of_unstable_poles(boom, row):
-    gains, share_a = pack_gains(boom.study.gains), boom.study.cylinder.share_a
-    loops = FamilyLoops(LOOPS[row["loop"]], plant_of(row), share_a, gains, path_of(row, boom))
-    count = count_unstable_poles(loops)
+    count = count_unstable_poles(loop_of(row, boom).broken_at(LOOPS[row["loop"]]))
     assert count.decided.all()
     assert count.unstable.tolist() == [int(row["unstable_poles"])]

@@ -5,11 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mptune.loops.broken import FORCE
-from mptune.loops.family import FamilyLoops
 from mptune.loops.sampled import stable_as_sampled
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import NO_PATH, pack_filters, pack_gains
 from mptune.robust.chain import LARGEST, Link, chain, factor_text, gain_limit
 from mptune.robust.sweep import sweep
 
@@ -85,17 +82,15 @@ def test_the_published_gains_over_the_ranges_of_5_1(section_5_1):
 
 def stable(result, name, factor):
     """Return whether a link's model holds with the gain at F_ref scaled."""
-    study, plants = result.study, result.plants
+    model = result.model
     gains = result.gains.model_copy(update={"k_p_vel": factor * result.gains.k_p_vel})
-    packed, share_a = pack_gains(gains), study.study.cylinder.share_a
-    path, period = pack_filters(study.study.controller), study.study.controller.sampling_period
     if name == "Eq. 17 and 21":
-        again = sweep(study, gains)
+        again = sweep(model.study, gains)
         return all(one.worst_ratio < 1 and one.nominal_stable for one in again.conditions)
     if name == "sampled":
-        return stable_as_sampled(plants, share_a, packed, path, period)[0].all()
-    path = NO_PATH if name == "true family" else path
-    return count_unstable_poles(FamilyLoops(FORCE, plants, share_a, packed, path)).stable.all()
+        return stable_as_sampled(model.as_it_runs(gains), model.period)[0].all()
+    path = "none" if name == "true family" else "filters"
+    return count_unstable_poles(model.loops(gains, model.path_of(path))).stable.all()
 
 
 CASES = {

@@ -4,9 +4,8 @@ import numpy as np
 import pytest
 
 from mptune.loops.broken import FORCE, VELOCITY
-from mptune.params.pack import NO_PATH, pack_filters, pack_gains
 from mptune.robust.curves import loop_curves
-from mptune.robust.encirclements import encirclements, single
+from mptune.robust.encirclements import encirclements
 from mptune.robust.sweep import sweep
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
@@ -45,10 +44,9 @@ def test_published_gains_have_two_unstable_poles_with_the_path_and_none_without(
 @pytest.mark.parametrize("name", ["none", "filters"])
 def test_the_worst_plant_s_count_is_the_turning_of_its_curve(swept, counts, name):
     """From c/s³ at −3π/2 to 1 the angle grows by 3π/2, less π for each unstable pole."""
-    path = pack_filters(swept.study.study.controller) if name == "filters" else NO_PATH
-    omega = np.geomspace(1e-3, 3e4, 400_000)
-    share_a, gains = swept.study.study.cylinder.share_a, pack_gains(swept.gains)
-    curve = loop_curves(FORCE, omega, single(swept.position.at), share_a, gains, path)[0]
+    model, omega = swept.model, np.geomspace(1e-3, 3e4, 400_000)
+    loops = model.loops(swept.gains, model.path_of(name), model.plant(swept.position.at))
+    curve = loop_curves(FORCE, omega, loops)[0]
     angle = np.unwrap(np.angle(1 + curve))
     poles = 1.5 - (angle[-1] - angle[0]) / np.pi
     assert poles == pytest.approx(counts[FORCE, name].worst, abs=0.05)

@@ -5,23 +5,19 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mptune.loops.family import plants_of
-from mptune.params.pack import NO_PATH, pack_gains, pack_nominal
-from mptune.robust.condition import sides
 from mptune.robust.grid import first_grid, frequency_range, refinement
+from mptune.robust.model import LinearModel
 
 
 @pytest.fixture
 def limits(load_boom):
-    study = load_boom(corners=True)
-    plants, nominal = plants_of(study), pack_nominal(study)
-    gains = pack_gains(study.study.gains)
-    return study, plants, nominal, gains, frequency_range(plants, nominal, gains)
+    model = LinearModel.of(load_boom(corners=True))
+    return model, frequency_range(model.plants, model.nominal, model.gains)
 
 
 def test_the_grid_spans_every_corner_of_loop_and_controller(limits):
-    study, *_, (low, high) = limits
-    gains = study.study.gains
+    model, (low, high) = limits
+    gains = model.gains
     corners = [gains.k_p_vel / 49000, gains.omega, 1 / gains.tau, gains.k_p_pos]
     corners.append(gains.k_i_pos / gains.k_p_pos)
     assert low < min(corners) / 10
@@ -29,17 +25,15 @@ def test_the_grid_spans_every_corner_of_loop_and_controller(limits):
 
 
 def test_above_the_grid_every_ratio_is_small(limits):
-    study, plants, nominal, gains, (_, high) = limits
-    omega = high * np.geomspace(1, 1000, 100)
-    share_a = study.study.cylinder.share_a
-    found = sides(omega, plants, nominal, share_a, gains, NO_PATH)
+    model, (_, high) = limits
+    found = model.sides(high * np.geomspace(1, 1000, 100), model.gains)
     assert np.all(found.ratio <= 0.05)
 
 
 def test_the_range_is_found_without_integral_or_proportional_term(limits):
-    _, plants, nominal, gains, _ = limits
+    model, _ = limits
     for changes in ({"k_i_pos": 0.0}, {"k_p_pos": 0.0}, {"k_i_pos": 0.0, "k_p_pos": 0.0}):
-        low, high = frequency_range(plants, nominal, gains._replace(**changes))
+        low, high = frequency_range(model.plants, model.nominal, model.gains._replace(**changes))
         assert 0 < low < high < np.inf
 
 

@@ -6,17 +6,19 @@ import numpy as np
 import pytest
 
 from mptune.loops.broken import FORCE, VELOCITY
+from mptune.loops.family import FamilyLoops
 from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.margins import family_margins
 
+SHARE_A = 4 / 7
 GRID = np.geomspace(0.01, 3000, 300)
 GAINS = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)
 
 
 def margins_of(mass, delay, tau=0.0, gains=GAINS, omega=GRID):
-    plants = Plants(*(np.array([value]) for value in (mass, delay, tau, tau)))
-    return family_margins(omega, plants, 4 / 7, gains, NO_PATH)
+    plants = Plants(*(np.array([value]) for value in (mass, delay, tau, tau, SHARE_A)))
+    return family_margins(omega, FamilyLoops(plants, gains, NO_PATH))
 
 
 def figure(margins, name, loop=VELOCITY):
@@ -89,11 +91,9 @@ def test_the_disk_margin_of_an_integrator_is_full():
 
 
 def test_each_plant_has_its_own_row_and_column():
-    plants = Plants(
-        *(np.array([a, b]) for a, b in ((24500, 49000), (0.011,) * 2, (0.0, 0.0), (0.0, 0.0)))
-    )
-    plants = Plants(*(column.astype(float) for column in plants))
-    both = family_margins(GRID, plants, 4 / 7, GAINS, NO_PATH)
+    pairs = ((24500.0, 49000.0), (0.011,) * 2, (0.0,) * 2, (0.0,) * 2, (SHARE_A,) * 2)
+    plants = Plants(*(np.array(pair) for pair in pairs))
+    both = family_margins(GRID, FamilyLoops(plants, GAINS, NO_PATH))
     for index, mass in enumerate((24500.0, 49000.0)):
         alone = margins_of(mass, 0.011)
         for name in both._fields:
@@ -102,7 +102,7 @@ def test_each_plant_has_its_own_row_and_column():
 
 def grid_of(plant, gains):
     """Return the first grid of a sweep, on which margins are looked for."""
-    plants = Plants(*(np.array([value]) for value in plant))
+    plants = Plants(*(np.array([value]) for value in (*plant, SHARE_A)))
     nominal = NominalPlant(plant[0], plant[1])
     return plants, first_grid(*frequency_range(plants, nominal, gains))
 
@@ -126,7 +126,8 @@ TWO_PEAKS = [
 def test_the_higher_of_two_peaks_is_found_though_the_grid_shows_it_lower(gains, plant, path):
     plants, omega = grid_of(plant, gains)
     dense = np.geomspace(omega[0], omega[-1], 100 * len(omega))
-    coarse, fine = (family_margins(w, plants, 4 / 7, gains, path) for w in (omega, dense))
+    loops = FamilyLoops(plants, gains, path)
+    coarse, fine = (family_margins(w, loops) for w in (omega, dense))
     names = ("sensitivity_peak", "complementary_peak", "disk_margin")
     for name in names:
         found, expected = getattr(coarse, name)[:, 0], getattr(fine, name)[:, 0]
@@ -138,8 +139,9 @@ def test_the_higher_of_two_peaks_is_found_though_the_grid_shows_it_lower(gains, 
 def test_a_gain_margin_beyond_the_grid_s_end_is_not_called_endless():
     gains = LoopGains(404549.67, 15.110692, 59.322662, 87.612391, 1.3939068, 0.023977577)
     plants, omega = grid_of((51765.619, 0.0012410238, 0.0094302377, 0.0019866358), gains)
-    margins = family_margins(omega, plants, 4 / 7, gains, NO_PATH)
-    wide = family_margins(np.geomspace(omega[0], 1e5, 20000), plants, 4 / 7, gains, NO_PATH)
+    loops = FamilyLoops(plants, gains, NO_PATH)
+    margins = family_margins(omega, loops)
+    wide = family_margins(np.geomspace(omega[0], 1e5, 20000), loops)
     print(
         f"gain margin: {margins.gain_margin[0, 0]} on the grid, {wide.gain_margin[0, 0]:.1f} wide"
     )

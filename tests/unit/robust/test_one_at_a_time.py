@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mptune.loops.velocity import nominal_velocity, true_velocity
-from mptune.params.pack import Plants, pack_gains, pack_nominal
+from mptune.params.pack import Plant
 from mptune.robust.one_at_a_time import PARAMETERS, one_at_a_time
 from mptune.robust.sweep import sweep
 
@@ -29,23 +29,23 @@ def test_each_condition_has_every_parameter_strongest_first(swept):
 def test_the_worst_plant_s_own_end_gives_the_worst_ratio_and_no_end_a_higher_one(swept):
     for one in one_at_a_time(swept):
         worst = getattr(swept, one.condition).worst_ratio
-        assert max(one.ratios) == pytest.approx(worst, rel=1e-12)
+        # Asked at the sweep's own frequencies, while the worst ratio is polished.
+        assert max(one.ratios) == pytest.approx(worst, rel=1e-6)
         assert one.worst in one.ends
 
 
 def test_velocity_ratios_against_eq_17_by_hand(swept):
-    study, gains = swept.study, pack_gains(swept.gains)
-    nominal = pack_nominal(study)
-    at, share_a = swept.velocity.at, study.study.cylinder.share_a
+    at, gain = swept.velocity.at, swept.gains.k_p_vel
+    share_a = swept.study.study.cylinder.share_a
+    worst = Plant(at.mass_kg, at.delay_s, at.tau_a_s, at.tau_b_s, share_a)
     points = 1j * swept.omega
-    model = np.array([nominal_velocity(s, nominal.mass, nominal.delay) for s in points])
-    right = np.abs((1 + model * gains.k_p_vel) / (model * gains.k_p_vel))
+    nominal = np.array([nominal_velocity(s, swept.model.nominal) for s in points])
+    right = np.abs((1 + nominal * gain) / (nominal * gain))
     for one in one_at_a_time(swept):
         if one.condition != "velocity":
             continue
         for end, ratio in zip(one.ends, one.ratios, strict=True):
-            worst = Plants(at.mass_kg, at.delay_s, at.tau_a_s, at.tau_b_s)
             plant = worst._replace(**{one.parameter: end})
-            true = np.array([true_velocity(s, *plant, share_a) for s in points])
-            left = np.abs((true - model) / model)  # Eq. 16
+            true = np.array([true_velocity(s, plant) for s in points])
+            left = np.abs((true - nominal) / nominal)  # Eq. 16
             assert ratio == pytest.approx(float((left / right).max()), rel=1e-9)

@@ -5,9 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mptune.loops.family import plants_of
-from mptune.params.pack import NO_PATH, pack_gains, pack_nominal
-from mptune.robust.condition import sides
+from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
 
@@ -15,10 +13,8 @@ from mptune.robust.sweep import sweep
 @pytest.mark.parametrize("swept", ["fig_5", "section_5_1"])
 def test_a_grid_ten_times_denser_finds_no_higher_ratio(request, swept):
     result = request.getfixturevalue(swept)
-    study = result.study
     dense = np.geomspace(result.omega[0], result.omega[-1], 10 * len(result.omega))
-    gains, share_a = pack_gains(result.gains), study.study.cylinder.share_a
-    found = sides(dense, result.plants, pack_nominal(study), share_a, gains, NO_PATH)
+    found = result.model.sides(dense, result.gains)
     for loop, condition in enumerate(result.conditions):
         highest = found.ratio[loop].max()
         print(f"{swept} {condition.name}: {condition.worst_ratio:.8f}, dense grid {highest:.8f}")
@@ -27,11 +23,8 @@ def test_a_grid_ten_times_denser_finds_no_higher_ratio(request, swept):
 
 def test_frequencies_rise_and_curves_belong_to_them(fig_5):
     assert np.all(np.diff(fig_5.omega) > 0)
-    study = fig_5.study
     pick = np.arange(0, len(fig_5.omega), 37)
-    gains, share_a = pack_gains(fig_5.gains), study.study.cylinder.share_a
-    nominal = pack_nominal(study)
-    found = sides(fig_5.omega[pick], fig_5.plants, nominal, share_a, gains, NO_PATH)
+    found = fig_5.model.sides(fig_5.omega[pick], fig_5.gains)
     for loop, condition in enumerate(fig_5.conditions):
         np.testing.assert_array_equal(condition.left[pick], found.left[loop])
         np.testing.assert_allclose(condition.right[pick], found.right[loop], rtol=1e-13)
@@ -40,14 +33,8 @@ def test_frequencies_rise_and_curves_belong_to_them(fig_5):
 
 def test_the_plant_behind_the_worst_ratio_gives_that_ratio(fig_5):
     for loop, condition in enumerate(fig_5.conditions):
-        at = condition.at
-        plant = type(fig_5.plants)(
-            *(np.array([v]) for v in (at.mass_kg, at.delay_s, at.tau_a_s, at.tau_b_s))
-        )
-        study = fig_5.study
-        gains, share_a = pack_gains(fig_5.gains), study.study.cylinder.share_a
-        omega = np.array([at.frequency_rad_s])
-        found = sides(omega, plant, pack_nominal(study), share_a, gains, NO_PATH)
+        at, model = condition.at, fig_5.model
+        found = model.sides(np.array([at.frequency_rad_s]), fig_5.gains, model.plant(at))
         assert found.ratio[loop, 0] == pytest.approx(condition.worst_ratio, rel=1e-12)
 
 
@@ -138,7 +125,8 @@ def test_a_requirement_curve_is_used_where_it_is_tightest_and_not_where_the_rati
     curve = '[["99 rad/s", 0.9], ["100 rad/s", 0.3]]'
     condition = sweep(load_boom(f"requirements.velocity_ratio={curve}", corners=True)).velocity
     assert condition.status is Status.VIOLATED
-    assert condition.worst_use == pytest.approx((condition.ratio / condition.allowed).max())
+    on_grid = (condition.ratio / condition.allowed).max()
+    assert on_grid <= condition.worst_use <= 1.01 * on_grid
     assert condition.worst_use_at.frequency_rad_s == pytest.approx(100, rel=0.02)
     assert condition.at.frequency_rad_s == pytest.approx(55.3, rel=0.01)
 
@@ -147,10 +135,7 @@ def test_a_kink_of_a_requirement_curve_is_refined_as_well(load_boom):
     curve = '[["99 rad/s", 0.9], ["100 rad/s", 0.3]]'
     study = load_boom(f"requirements.velocity_ratio={curve}", corners=True)
     result = sweep(study)
-    gains, share_a = pack_gains(result.gains), study.study.cylinder.share_a
-    at_kink = sides(
-        np.array([100.0]), plants_of(study), pack_nominal(study), share_a, gains, NO_PATH
-    )
+    at_kink = LinearModel.of(study).sides(np.array([100.0]), result.gains)
     assert at_kink.ratio[0, 0] / 0.3 <= result.velocity.worst_use * (1 + 1e-4)
 
 
@@ -163,7 +148,7 @@ def test_every_requirement_of_the_study_is_answered(load_boom):
     }
     overrides = [f"requirements.{key}={value}" for key, value in wanted.items()]
     result = sweep(load_boom(*overrides, corners=True))
-    names = " ".join(check.name for check in result.checks)
+    names = " ".join(check.key for check in result.checks)
     for key in (*wanted, "velocity_ratio", "position_ratio"):
         assert key in names
 
@@ -171,7 +156,7 @@ def test_every_requirement_of_the_study_is_answered(load_boom):
 def test_a_peak_requirement_is_held_against_the_family(load_boom):
     for limit, status in (("5.0", Status.SATISFIED), ("4.5", Status.VIOLATED)):
         result = sweep(load_boom(f"requirements.sensitivity_peak={limit}", corners=True))
-        (check,) = [check for check in result.checks if check.name == "sensitivity_peak"]
+        (check,) = [check for check in result.checks if check.key == "sensitivity_peak"]
         assert round(check.found, 2) == 4.81
         assert check.status is status
 

@@ -20,14 +20,15 @@ from mptune.robust.condition import sides
 from mptune.robust.margins import family_margins
 
 random = np.random.default_rng(5)
-spans = ((20e3, 60e3), (0.005, 0.025), (0.0, 0.012), (0.0, 0.012))
+spans = ((20e3, 60e3), (0.005, 0.025), (0.0, 0.012), (0.0, 0.012), (0.57, 0.57))
 plants = Plants(*(random.uniform(low, high, 9) for low, high in spans))
 gains = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)
 path = MeasurementPath(0.0005, float(np.exp(-0.0005 / 0.012)), 0.012)
 omega = np.geomspace(0.1, 1000, 40)
-found = sides(omega, plants, NominalPlant(24500.0, 0.011), 0.57, gains, path)
-margins = family_margins(omega, plants, 0.57, gains, path)
-unstable = count_unstable_poles(FamilyLoops(2, plants, 0.57, gains, path)).unstable
+loops = FamilyLoops(plants, gains, path)
+found = sides(omega, loops, NominalPlant(24500.0, 0.011))
+margins = family_margins(omega, loops)
+unstable = count_unstable_poles(loops).unstable
 figures = [*found, *margins, unstable]
 print(json.dumps([np.nan_to_num(np.asarray(figure, float)).ravel().tolist() for figure in figures]))
 """

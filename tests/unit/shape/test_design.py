@@ -4,12 +4,12 @@ import control
 import numpy as np
 import pytest
 
+from mptune.certify.result import Grounds
 from mptune.errors import InputError
 from mptune.shape import certificate, structure
 from mptune.shape.design import design
 from mptune.shape.problem import Function, Peak
 from mptune.shape.procedure import ShapeStatus
-from mptune.shape.proofs import Certainty
 from mptune.shape.rational import RationalPlant
 
 OMEGA = np.geomspace(1e-3, 30, 300)
@@ -42,10 +42,10 @@ def test_every_form_of_one_plant_gives_the_same_controller(form):
     (verdict,) = found.verdicts
     assert verdict.attained == pytest.approx(1.4, abs=1e-4)
     if form in KNOWN:
-        assert found.stability is verdict.certainty is Certainty.CERTIFIED
+        assert found.stability is verdict.grounds is Grounds.CERTIFIED
         assert verdict.attained <= verdict.bound <= 1.4
     else:
-        assert found.stability is verdict.certainty is Certainty.GRID_ONLY
+        assert found.stability is verdict.grounds is Grounds.GRID
         assert np.isnan(verdict.bound)
         assert verdict.kept
 
@@ -85,7 +85,7 @@ def test_ratio_is_eq_17_for_any_family():
     assert worst == pytest.approx(0.5, rel=1e-3)
     assert worst <= 0.5 * (1 + 1e-6)
     (verdict,) = found.verdicts
-    assert verdict.certainty is Certainty.CERTIFIED
+    assert verdict.grounds is Grounds.CERTIFIED
     assert worst <= verdict.bound <= 0.5
     assert worst == pytest.approx(verdict.attained, rel=1e-3)  # between 300 frequencies
 
@@ -161,8 +161,8 @@ def test_a_family_with_one_mere_function_is_certified_as_far_as_it_goes():
     family = [0.7 * LAG, lambda s: 1.3 / (s + 1) ** 3]
     found = design(LAG, structure.pi(), maximise="k_i", sensitivity_peak=1.6, family=family)
     nominal, others = found.verdicts
-    assert nominal.certainty is Certainty.CERTIFIED
-    assert others.certainty is found.stability is Certainty.GRID_ONLY
+    assert nominal.grounds is Grounds.CERTIFIED
+    assert others.grounds is found.stability is Grounds.GRID
     assert others.plant == 1
 
 
@@ -193,8 +193,8 @@ def test_a_bound_on_control_is_certified_where_it_is_only_approached():
 
 def test_a_bound_that_is_a_curve_is_judged_on_the_grid():
     found = design(LAG, structure.pi(), maximise="k_i", sensitivity_peak=lambda w: 1.4 + 0 * w)
-    assert found.stability is Certainty.CERTIFIED
-    assert found.verdicts[0].certainty is Certainty.GRID_ONLY
+    assert found.stability is Grounds.CERTIFIED
+    assert found.verdicts[0].grounds is Grounds.GRID
     assert found.verdicts[0].allowed == 1
 
 
@@ -202,6 +202,7 @@ def test_without_a_certificate_that_closes_nothing_is_called_optimal(monkeypatch
     monkeypatch.setattr(certificate, "_ROUNDS", 2)
     found = design(LAG, structure.pi(), maximise="k_i", sensitivity_peak=1.4)
     assert found.shaped.status is ShapeStatus.UNPROVEN
+    assert found.verdicts[0].grounds is Grounds.OPEN
     assert not found.verdicts[0].kept
 
 
@@ -224,6 +225,6 @@ def test_ratio_of_a_sampled_family_stays_on_its_grid():
     family = [control.frd(share * LAG, OMEGA) for share in (0.6, 1.4)]
     found = design(LAG, structure.pi(), maximise="k_i", ratio=0.5, family=family)
     known = design(LAG, structure.pi(), maximise="k_i", ratio=0.5, family=[0.6 * LAG, 1.4 * LAG])
-    assert found.verdicts[0].certainty is Certainty.GRID_ONLY
-    assert known.verdicts[0].certainty is Certainty.CERTIFIED
+    assert found.verdicts[0].grounds is Grounds.GRID
+    assert known.verdicts[0].grounds is Grounds.CERTIFIED
     assert found.gains["k_i"] == pytest.approx(known.gains["k_i"], rel=1e-3)

@@ -10,10 +10,10 @@ import numpy as np
 import pytest
 from scipy.optimize import differential_evolution
 
+from mptune.certify.result import Grounds
 from mptune.shape import structure
 from mptune.shape.design import design
 from mptune.shape.procedure import ShapeStatus
-from mptune.shape.proofs import Certainty
 from mptune.shape.rational import RationalPlant
 
 OPTIMA = {1 / 30: 0.27187, 0.01: 0.087560, 0.001: 0.0089917, 1e-4: 0.00090154}  # k_p ≥ 0
@@ -58,7 +58,7 @@ def test_m_s_is_certified_and_the_optimum_found(damping, low):
     poles = closed_loop(damping, **found.gains)
     print(damping, found.gains, f"M_S {peak:.7f}, certified {verdict.bound:.7f}", poles.real.max())
     assert found.shaped.status is ShapeStatus.OPTIMAL
-    assert found.stability is verdict.certainty is Certainty.CERTIFIED
+    assert found.stability is verdict.grounds is Grounds.CERTIFIED
     assert np.all(poles.real < 0)
     assert peak <= verdict.bound <= 1.4
     assert peak == pytest.approx(verdict.attained, rel=1e-6)
@@ -129,7 +129,7 @@ def test_a_basis_of_ones_own_sees_the_mode_but_proves_nothing():
     own = structure.basis_of(functions, ["k_p", "k_i"], [False, True])
     found = design(plant(1e-4), own, maximise="k_i", sensitivity_peak=1.4)
     (verdict,) = found.verdicts
-    assert found.stability is verdict.certainty is Certainty.GRID_ONLY
+    assert found.stability is verdict.grounds is Grounds.GRID
     assert np.isnan(verdict.bound)
     assert np.all(closed_loop(1e-4, **found.gains).real < 0)
     assert sensitivity_peak(1e-4, **found.gains, omega=dense(1e-4)) <= 1.4 * (1 + 1e-3)

@@ -6,7 +6,7 @@ from hypothesis import strategies as st
 from scipy.signal import cont2discrete, dlsim, dlti
 
 from mptune.params.pack import LoopGains
-from mptune.signals.tustin import discretise
+from mptune.signals.tustin import discrete_response, discretise
 
 gains = st.builds(
     LoopGains,
@@ -46,3 +46,15 @@ def test_difference_equations_equal_scipys_bilinear_transform(gains, seed):
     found = run(discretise(gains, period), errors)
     scale = np.abs(expected).max()
     np.testing.assert_allclose(found, expected[:, 0], atol=1e-8 * scale)
+
+
+@given(gains=gains, bent=st.floats(0.1, 3.0))
+def test_its_response_is_that_of_eq_22_at_the_frequency_that_tustin_bends_it_to(gains, bent):
+    """Tustin puts s = (2/T_S)(1 − w)/(1 + w) wherever Eq. 22 has s; all of it, up to Nyquist."""
+    period = 0.01
+    w = np.exp(-1j * bent)
+    s = 2 / period * (1 - w) / (1 + w)
+    shape = (s / gains.omega) ** 2 + 2 * gains.xi * s / gains.omega + 1
+    expected = gains.k_p_pos * shape / (gains.tau * s + 1) ** 2 + gains.k_i_pos / s  # Eq. 22
+    found = discrete_response(discretise(gains, period), w)
+    np.testing.assert_allclose(found, expected, rtol=1e-9)

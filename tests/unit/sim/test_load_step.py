@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from mptune.loops.family import FamilyLoops
 from mptune.params.pack import NO_PATH, LoopGains, Plants, pack_filters
 from mptune.sim.response import load_step, position_step
 
@@ -14,8 +15,9 @@ PLANT = (24500.0, 0.0125, 0.0122, 0.0089)
 HEAVY = (49000.0, 0.0215, 0.0001, 0.0119)
 
 
-def family(*plants):
-    return Plants(*np.array(plants).T.copy())
+def family(*plants, gains=GAINS, path=NO_PATH):
+    rows = np.array([(*plant, SHARE) for plant in plants])
+    return FamilyLoops(Plants(*rows.T.copy()), gains, path)
 
 
 def stepped(plant, gains, path, end, step):
@@ -63,7 +65,7 @@ def test_small_explicit_steps_come_to_the_same(boom, path):
     coarse, fine = (stepped(PLANT, GAINS, way, end, h) for h in (step, step / 2))
     expected = 2 * fine[::2] - coarse
     time = np.arange(len(coarse)) * step
-    found = load_step(family(PLANT), SHARE, GAINS, way, time)[0]
+    found = load_step(family(PLANT, path=way), time)[0]
     error = np.abs(found - expected).max() / np.abs(expected).max()
     print(f"path {path}: largest difference {error:.1e} of the peak")
     assert error < 2e-4
@@ -71,18 +73,18 @@ def test_small_explicit_steps_come_to_the_same(boom, path):
 
 def test_integral_action_brings_it_to_zero_and_its_absence_to_the_stiffness():
     time = np.linspace(0, 8, 801)
-    whole = load_step(family(PLANT, HEAVY), SHARE, GAINS, NO_PATH, time)
+    whole = load_step(family(PLANT, HEAVY), time)
     peak = np.abs(whole).max(axis=1)
     print(f"peaks {peak} m/N, at the end {np.abs(whole[:, -1])}")
     assert np.all(np.abs(whole[:, -1]) < 1e-4 * peak)
-    rigid = load_step(family(PLANT, HEAVY), SHARE, GAINS._replace(k_i_pos=0.0), NO_PATH, time)
+    rigid = load_step(family(PLANT, HEAVY, gains=GAINS._replace(k_i_pos=0.0)), time)
     stiffness = GAINS.k_p_vel * GAINS.k_p_pos
     np.testing.assert_allclose(rigid[:, -1], -1 / stiffness, rtol=1e-6)
 
 
 def test_a_positive_load_pushes_against_positive_motion_from_the_first_instant():
     time = np.linspace(0, PLANT[1], 30)
-    found = load_step(family(PLANT), SHARE, GAINS, NO_PATH, time)[0]
+    found = load_step(family(PLANT), time)[0]
     np.testing.assert_allclose(found, -0.5 * time**2 / PLANT[0], rtol=1e-9, atol=1e-20)
 
 
@@ -90,8 +92,8 @@ def test_load_is_the_reference_step_through_the_inverse_of_the_controller():
     """x/r = C G/(1 + L) and x/F_load = −P/(1 + L) differ by the factor −P/(C G), in frequency."""
     gains = GAINS._replace(k_i_pos=0.0)
     time = np.linspace(0, 6, 24001)
-    load = load_step(family(PLANT), SHARE, gains, NO_PATH, time)[0]
-    step = position_step(family(PLANT), SHARE, gains, NO_PATH, time)[0]
+    load = load_step(family(PLANT, gains=gains), time)[0]
+    step = position_step(family(PLANT, gains=gains), time)[0]
     omega = 8.0
     kernel = np.exp(-1j * omega * time)
     # jω times the transform of a step's answer is the transfer function; tails are constant.
@@ -109,7 +111,7 @@ def test_load_is_the_reference_step_through_the_inverse_of_the_controller():
 
 def test_the_load_step_does_not_care_for_the_plants_beside_it():
     time = np.linspace(0, 1, 50)
-    both = load_step(family(PLANT, HEAVY), SHARE, GAINS, NO_PATH, time)
+    both = load_step(family(PLANT, HEAVY), time)
     for row, plant in enumerate((PLANT, HEAVY)):
-        alone = load_step(family(plant), SHARE, GAINS, NO_PATH, time)
+        alone = load_step(family(plant), time)
         np.testing.assert_array_equal(both[row], alone[0])

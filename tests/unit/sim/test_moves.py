@@ -6,7 +6,7 @@ import pytest
 from mptune.errors import InputError
 from mptune.params.load import load_study
 from mptune.signals.trajectory import reference
-from mptune.sim.moves import moves_of
+from mptune.sim.moves import distinct_moves, moves_of
 
 
 def test_the_papers_set_adds_up_and_rests_between(boom):
@@ -68,3 +68,31 @@ def test_a_missing_recording_is_named(write_study):
 def test_a_move_beyond_the_stroke_is_refused(load_boom):
     with pytest.raises(InputError, match="leaves the stroke"):
         load_boom('manoeuvre=[{kind="sine", distance="-200 mm", duration="2 s", rest="1 s"}]')
+
+
+def manoeuvre_of(load_boom, *moves):
+    text = '{{kind="{}", distance="{} mm", duration="{} s", rest="1 s"}}'
+    return load_boom(
+        f"manoeuvre=[{', '.join(text.format(*move) for move in moves)}]"
+    ).study.manoeuvre
+
+
+def test_moves_that_differ_by_their_distance_only_are_one_move_of_a_linear_loop(load_boom):
+    manoeuvre = manoeuvre_of(load_boom, ("quintic", 30, 1), ("quintic", 50, 1), ("quintic", -20, 1))
+    (only,) = distinct_moves(manoeuvre)
+    assert only.travel == pytest.approx(1.0)
+
+
+def test_moves_of_another_kind_or_duration_are_other_moves_in_a_fixed_order(load_boom):
+    moves = (("quintic", 30, 1), ("quintic", 30, 2), ("trapezoid", -30, 1))
+    there, back = (distinct_moves(manoeuvre_of(load_boom, *some)) for some in (moves, moves[::-1]))
+    assert len(there) == 3
+    for one, other in zip(there, back, strict=True):
+        np.testing.assert_array_equal(one.pieces, other.pieces)
+
+
+def test_a_recorded_move_keeps_its_distance(write_study, tmp_path):
+    text = "time [s],position [mm]\n0,0\n1,3\n2,5\n3,9\n"
+    manoeuvre = load_study(with_recording(write_study, tmp_path, text)).study.manoeuvre
+    (only,) = distinct_moves(manoeuvre)
+    np.testing.assert_array_equal(only.pieces, moves_of(manoeuvre).pieces)

@@ -7,9 +7,9 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mptune.params.controller import Feedforward
-from mptune.params.pack import FeedforwardTuple, pack_filters, pack_gains
+from mptune.params.pack import FeedforwardTuple, Plant, pack_filters, pack_gains
 from mptune.signals.trajectory import quintic
-from mptune.sim.sampled import SampledPlant, linear_moves, run_linear
+from mptune.sim.sampled import linear_moves, run_linear
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 
@@ -28,7 +28,7 @@ def run(boom):
 @pytest.mark.parametrize("delay", [0.0, 0.0043, 0.008, 0.0165])
 def test_plant_between_samples_equals_an_ode_solver(boom, run, delay):
     """Fed with the recorded F_ref, held and delayed, an ODE solver gives the same motion."""
-    plant = SampledPlant(24500.0, delay, 0.009, 0.004, 4 / 7)
+    plant = Plant(24500.0, delay + 0.005, 0.009, 0.004, 4 / 7)
     traces = run(pack_gains(boom.study.gains), plant, 1000)
     held = traces[3, ::20]  # the reference changes every 20 fast ticks
 
@@ -90,7 +90,7 @@ def test_too_high_a_velocity_gain_is_reported_as_unstable(boom):
 
 def test_response_is_linear_in_the_distance(boom, run):
     gains = pack_gains(boom.study.gains)
-    plant = SampledPlant(49000.0, 0.007, 0.01, 0.008, 4 / 7)
+    plant = Plant(49000.0, 0.012, 0.01, 0.008, 4 / 7)
     path = pack_filters(boom.study.controller)
     once, twice = (
         run_linear(plant, gains, path, 0.01, factor * MOVE, FeedforwardTuple(0, 0, 0), 2000)

@@ -30,7 +30,7 @@ def tuning(study, tmp_path_factory):
 def test_the_published_gains_break_the_studys_gain_margin(study):
     from mptune.robust.sweep import sweep
 
-    broken = [check.name for check in sweep(study).checks if check.status.value != "satisfied"]
+    broken = [check.key for check in sweep(study).checks if check.status.value != "satisfied"]
     assert broken == ["gain_margin"]
 
 
@@ -43,7 +43,7 @@ def test_tuned_gains_and_feedforward_keep_margin_and_noise(tuning):
     )
     assert tuned.sweep.satisfied
     assert tuned.status.value == "optimal"
-    checks = {check.name: check.found for check in tuned.sweep.checks}
+    checks = {check.key: check.found for check in tuned.sweep.checks}
     assert checks["gain_margin"] >= 1.25
     assert checks["noise_gain"] <= 34.1e6
     assert 24500 < ahead.acceleration_mass < 49000

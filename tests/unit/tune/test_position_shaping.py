@@ -5,12 +5,10 @@ import time
 import numpy as np
 import pytest
 
-from mptune.loops.broken import FORCE
-from mptune.loops.family import FamilyLoops, nominal_plants, plants_of
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import LoopGains, pack_gains, pack_nominal, pack_path
-from mptune.robust.condition import nominal_loops, sides
+from mptune.params.pack import LoopGains
 from mptune.robust.grid import frequency_range
+from mptune.robust.model import LinearModel
 from mptune.robust.sweep import sweep
 from mptune.shape.problem import (
     Function,
@@ -37,10 +35,10 @@ class Boom:
     """Eq. 21 of the boom study as a loop-shaping problem."""
 
     def __init__(self, study):
-        self.study, self.plants, self.nominal = study, plants_of(study), pack_nominal(study)
-        self.path, self.gains = pack_path(study), pack_gains(study.study.gains)
-        self.share_a = study.study.cylinder.share_a
-        self.omega = np.geomspace(*frequency_range(self.plants, self.nominal, self.gains), POINTS)
+        self.study, self.model = study, LinearModel.of(study)
+        self.plants, self.gains = self.model.plants, self.model.gains
+        span = frequency_range(self.plants, self.model.nominal, self.gains)
+        self.omega = np.geomspace(*span, POINTS)
         # With ω = ξ = τ = 1 and no I-term Eq. 22 is 1: what is left is the plant.
         self.one = self.gains._replace(k_p_pos=1.0, k_i_pos=0.0, omega=1.0, xi=1.0, tau=1.0)
         self.left = self.envelope(self.omega)
@@ -48,22 +46,22 @@ class Boom:
         self.start = position_parameters(gains.k_p_pos, gains.k_i_pos, gains.omega, gains.xi)
 
     def envelope(self, omega):
-        found = sides(omega, self.plants, self.nominal, self.share_a, self.gains, self.path)
-        return found.left[1]
+        return self.model.sides(omega, self.gains).left[1]
 
     def allowed(self, omega):
         same = len(omega) == len(self.omega)
         return LIMIT / (self.left if same else self.envelope(omega))
 
     def plant(self, omega, rows):
-        found = np.tile(nominal_loops(omega, self.nominal, self.one, self.path)[1], (len(rows), 1))
+        found = np.tile(self.model.nominal_gains(omega, self.one)[1], (len(rows), 1))
         return found, np.zeros_like(found)
 
     def force_loops(self, omega, rows):
         """Return the true loops broken at F_ref: slope and fixed part in the controller."""
-        mass, delay, tau_a, tau_b = (np.asarray(column)[rows][:, None] for column in self.plants)
+        columns = (column[rows][:, None] for column in self.plants)
+        mass, delay, tau_a, tau_b, share_a = columns
         s = 1j * omega
-        lead = tau_b * self.share_a + tau_a * (1 - self.share_a)
+        lead = tau_b * share_a + tau_a * (1 - share_a)
         force = (lead * s + 1) / ((tau_a * s + 1) * (tau_b * s + 1))
         velocity = force * np.exp(-s * delay) / (mass * s) * self.gains.k_p_vel
         return velocity / s, velocity
@@ -74,9 +72,7 @@ class Boom:
 
     def problem(self, *requirements, tau=6e-3, objective=INTEGRAL, **others):
         def stable(x):
-            loops = FamilyLoops(
-                FORCE, nominal_plants(self.nominal), self.share_a, self.gains_at(x, tau), self.path
-            )
+            loops = self.model.nominal_loop(self.gains_at(x, tau))
             return bool(x[0] > 0 < x[2]) and bool(count_unstable_poles(loops).stable.all())
 
         nominal = Loops(self.omega, *self.plant(self.omega, [0]), self.plant)

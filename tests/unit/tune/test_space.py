@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from mptune.errors import InputError
 from mptune.loops.position import position_controller
-from mptune.robust.model import Task
+from mptune.robust.model import LinearModel
 from mptune.tune.space import STRUCTURES, space_of
 
 LARGEST = 7.1e5  # N s/m
@@ -23,8 +23,8 @@ def space(load_boom):
     """Return the space of a structure under overrides of the boom study."""
 
     def found(structure="eq22", *overrides, extra=None, largest=LARGEST):
-        task = Task.of(load_boom(*overrides, corners=True))
-        return space_of(task, largest, structure, extra)
+        model = LinearModel.of(load_boom(*overrides, corners=True))
+        return space_of(model, largest, structure, extra)
 
     return found
 
@@ -89,8 +89,8 @@ def space_free(space):
 
 def test_the_studys_own_choice_far_outside_is_moved_to_the_bounds(space, load_boom):
     found = space("eq22")
-    task = Task.of(load_boom('gains.k_i_pos="5000 1/s^2"', 'gains.tau="1 s"', corners=True))
-    point = found.point(found.fixed._replace(gains=task.start))
+    model = LinearModel.of(load_boom('gains.k_i_pos="5000 1/s^2"', 'gains.tau="1 s"', corners=True))
+    point = found.point(found.fixed._replace(gains=model.gains))
     assert np.all((point >= found.low) & (point <= found.high))
 
 

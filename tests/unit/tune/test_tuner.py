@@ -8,9 +8,7 @@ import numpy as np
 import pytest
 from scipy.stats import qmc
 
-from mptune.loops.family import plants_of
-from mptune.params.pack import pack_gains, pack_nominal, pack_path
-from mptune.robust.model import Task
+from mptune.robust.model import LinearModel
 from mptune.robust.sweep import sweep
 from mptune.tune.objective import Judge
 from mptune.tune.result import TuneStatus
@@ -22,6 +20,7 @@ from mptune.tune.velocity import largest_velocity_gain
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 
 LIMIT = 0.65
+VELOCITY_RATIO = f"requirements.velocity_ratio={LIMIT}"
 AS_PUBLISHED = ("requirements.position_ratio=0.476", 'requirements.noise_gain="34.08 MN/m"')
 RATIO = "requirements.position_ratio=0.476"
 
@@ -37,25 +36,13 @@ def gain_of(found):
     return gain
 
 
-def velocity_gain(study, limit=LIMIT, **options):
-    return largest_velocity_gain(
-        plants_of(study),
-        pack_nominal(study),
-        study.study.cylinder.share_a,
-        pack_gains(study.study.gains),
-        pack_path(study),
-        limit,
-        **options,
-    )
-
-
 # The velocity gain ------------------------------------------------------------------------------
 
 
 @pytest.mark.parametrize("path", ["none", "filters"])
 def test_velocity_gain_is_the_largest_that_meets_the_requirement(load_boom, path):
-    study = load_boom(f'model.measurement_path="{path}"', corners=True)
-    found = velocity_gain(study).k_p_vel
+    study = load_boom(f'model.measurement_path="{path}"', VELOCITY_RATIO, corners=True)
+    found = largest_velocity_gain(LinearModel.of(study)).k_p_vel
     ratios = [
         sweep(study, study.study.gains.model_copy(update={"k_p_vel": factor * found}))
         for factor in (0.99, 1.0, 1.01)
@@ -66,21 +53,22 @@ def test_velocity_gain_is_the_largest_that_meets_the_requirement(load_boom, path
 
 
 def test_published_velocity_gain_is_found_from_its_own_ratio(load_boom, fig_5):
-    found = velocity_gain(load_boom(), fig_5.velocity.worst_ratio)
+    study = load_boom(f"requirements.velocity_ratio={fig_5.velocity.worst_ratio!r}")
+    found = largest_velocity_gain(LinearModel.of(study))
     assert found.k_p_vel == pytest.approx(7e5, rel=1e-3)
     assert found.limited_by == "velocity_ratio"
 
 
 def test_bound_limits_the_velocity_gain(load_boom):
-    found = velocity_gain(load_boom(corners=True), upper=5e5)
+    model = LinearModel.of(load_boom(VELOCITY_RATIO, corners=True))
+    found = largest_velocity_gain(model, upper=5e5)
     assert (found.k_p_vel, found.limited_by) == (5e5, "bounds")
 
 
 def test_nominal_mass_inside_the_range_makes_a_small_velocity_ratio_feasible(load_boom):
     """The nominal mass is a choice: between the extremes the low-frequency limit falls."""
-    found = velocity_gain(
-        load_boom('uncertainty.nominal.mass="32667 kg"', corners=True), limit=0.45
-    )
+    overrides = ('uncertainty.nominal.mass="32667 kg"', "requirements.velocity_ratio=0.45")
+    found = largest_velocity_gain(LinearModel.of(load_boom(*overrides, corners=True)))
     assert found.k_p_vel > 1e5
 
 
@@ -183,11 +171,11 @@ def test_every_requirement_is_kept_and_something_binds(load_boom, name):
 
 def test_no_other_start_ends_better(load_boom, tuned_boom):
     """Polished from points spread over the space; the global search stands with the benchmarks."""
-    task = Task.of(load_boom(corners=True))
-    own = Choice(task.start, task.study.study.feedforward)
-    judge = Judge(task, own)
+    model = tuned_boom.sweep.model  # with what the certificate had found
+    own = Choice(model.gains, model.study.study.feedforward)
+    judge = Judge(model, own)
     before = judge.figures(own)
-    search = GainSearch(task, judge, before, tuned_boom.gains.k_p_vel)
+    search = GainSearch(model, judge, before, tuned_boom.gains.k_p_vel)
     ours = tuned_boom.figures.tracking / tuned_boom.figures_before.tracking
     low, high = search.space.low, search.space.high
     found = []

@@ -24,7 +24,9 @@ def test_the_light_machine_bears_about_half_as_much_again(light):
     """The linear chain ends at 1.24; a limit cycle is known between 1.5 and 1.75."""
     shares = []
     study = light.study
-    link = machine_gain_limit(light, study.gains, study.feedforward, shares.append)
+    link = machine_gain_limit(
+        light, study.gains, study.feedforward, lambda _stage, share: shares.append(share)
+    )
     print(f"{link.name}: {link.factor:.3f}")
     assert link.name == MACHINE
     assert 1.3 < link.factor < 1.75

@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from mptune.campaign.simulate import FIGURES
-from mptune.weigh.recommend import front, knee, not_dominated, recommended
+from mptune.progress import silent
+from mptune.weigh.recommend import STAGE, front, knee, not_dominated, recommended
 from mptune.weigh.trial import OBJECTIVES, Limits, Trial, Weights, limits_of
 
 OWN = Weights(100.0, 80.0, 2e11, 0.01, 5e-4, 7e-4)
@@ -73,14 +74,20 @@ class Known:
         return trial(self._table[weights], weights)
 
 
-def recommend(boom, others):
+def recommend(boom, others, progress=silent):
     own = (20.0, 15.0, 40.0, 800.0)
     table = {OWN: own}
     for number, objectives in enumerate(others):
         table[OWN._replace(weight_loss=float(number))] = objectives
     bench = Known(boom, table)
     trials = [bench.tried(weights) for weights in table]
-    return recommended(bench, trials[0], [trials[k] for k in front(trials, LIMITS)])
+    return recommended(bench, trials[0], [trials[k] for k in front(trials, LIMITS)], progress)
+
+
+def test_the_recommendation_tells_how_far_it_is(boom):
+    told = []
+    recommend(boom, [(19.0, 15.0, 40.0, 700.0)], lambda *one: told.append(one))
+    assert told == [(STAGE, 0.0), (STAGE, 1 / 7), (STAGE, 2 / 7)]
 
 
 def test_weights_that_lose_nothing_and_win_clearly_are_recommended(boom):

@@ -5,7 +5,7 @@ import pytest
 
 from mptune.campaign.workers import Workers
 from mptune.errors import InputError
-from mptune.weigh.procedure import by_the_papers_order
+from mptune.weigh.procedure import STEPS, by_the_papers_order
 from mptune.weigh.search import open_search
 from mptune.weigh.trial import (
     OBJECTIVES,
@@ -88,6 +88,13 @@ def test_the_papers_order_stops_each_weight_where_its_error_grows(boom):
     order = [step.weight for step in steps]
     assert order == sorted(order, key=["weight_converter", "weight_loss", "weight_switching"].index)
     assert [step.kept for step in steps].count(False) == len(steps) - 1 - 4 - 5
+
+
+def test_the_papers_order_tells_how_far_it_is(boom):
+    told, bench = [], Modelled(boom)
+    _, steps = by_the_papers_order(bench, own_weights(boom), lambda *one: told.append(one))
+    assert [share for _, share in told] == [(n + 1) / STEPS for n in range(len(steps))]
+    assert {stage for stage, _ in told} == {"weights by the paper's order"}
 
 
 @pytest.mark.parametrize("sampler", ["tpe", "nsga2"])

@@ -1,0 +1,142 @@
+"""Attained and guaranteed worst cases of one figure over a box."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+from mptune.certify.ascent import SMALLEST, attain, close, terms_of
+from mptune.certify.climb import SINGULAR
+from mptune.certify.form import EQUATION_17, EQUATION_21, MIXTURE, Curve, curve_of, form_of
+from mptune.certify.proof import Proof
+from mptune.certify.result import Bound
+from mptune.certify.stability import corner_verdict, point_of, witness_near
+from mptune.loops.broken import POSITION
+
+if TYPE_CHECKING:
+    from mptune.arrays import FloatArray
+    from mptune.certify.form import Form
+    from mptune.certify.problem import BoxedLoop, Point
+
+TOLERANCE = 1e-3  # ε
+BUDGET = 1_000_000  # boxes, at most, before a bound is given up for a higher one
+
+
+def bound(
+    problem: BoxedLoop,
+    loop: str,
+    path: str,
+    figure: str,
+    *,
+    tolerance: float = TOLERANCE,
+    allowed: float | Curve = 1.0,
+    budget: int = BUDGET,
+) -> Bound:
+    """Return the attained and the guaranteed worst value of one figure over the whole box.
+
+    Parameters
+    ----------
+    problem
+        The box and the loop.
+    loop
+        ``"velocity"`` (Eq. 17), ``"position"`` (Eq. 21) or ``"force_reference"``.
+    path
+        ``"none"``, ``"filters"``, or ``"sampled"`` for the loop at F_ref as it runs.
+    figure
+        ``"equation_17"``, ``"equation_21"``, ``"sensitivity_peak"``, ``"complementary_peak"`` or
+        ``"disk_margin"``.
+    tolerance
+        How far apart both may be, relative to the attained value.
+    allowed
+        The largest allowed ratio of an equation, a number or a curve over frequency: the figure is
+        then what a plant uses of it.
+    budget
+        Boxes to try at most.
+
+    Returns
+    -------
+    Bound
+        Both values; infinite where the box holds a plant whose loop is unstable.
+
+    Raises
+    ------
+    ValueError
+        If there is no such figure of that loop with that path.
+    """
+    form = form_of(problem, loop, path, figure)
+    name = loop, path, figure
+    witness, known = _corner_witness(problem, form, loop, path)
+    if witness is not None:
+        return _result(name, math.inf, witness, math.inf, tolerance, 0)
+    if _no_loop(form):
+        value = 2.0 if figure == "disk_margin" else form.share_s
+        return Bound(loop, path, figure, value, None, value, closed=True, boxes=0)
+    curve = curve_of(allowed)
+    attained, point, edges = attain(problem, form, curve, tolerance)
+    terms = terms_of(form, edges, attained, point, tolerance)
+    proof = Proof(form, curve, edges, terms)
+    attained, proved = close(proof, attained, point, tolerance, budget)
+    at = point_of(problem, point)
+    if attained >= SINGULAR or not math.isfinite(proved):
+        witness = _witness_near(problem, form, point, loop, path)
+        if witness is not None:
+            return _result(name, math.inf, witness, math.inf, tolerance, proof.boxes)
+    found = _result(name, attained, at, proved, tolerance, proof.boxes)
+    return found if known else replace(found, closed=False)
+
+
+def _no_loop(form: Form) -> bool:
+    """Return whether there is no position loop: then S = 1, T = 0 and Eq. 21's ratio is 0."""
+    gains = form.gains
+    position = form.figure == EQUATION_21 or (form.figure == MIXTURE and form.loop == POSITION)
+    return position and gains.k_p_pos == 0 and gains.k_i_pos == 0
+
+
+def _corner_witness(
+    problem: BoxedLoop, form: Form, loop: str, path: str
+) -> tuple[Point | None, bool]:
+    """Return a corner of the box that makes the figure infinite, if any, and whether that is known.
+
+    An S, a T or a margin of an unstable loop is none; that none of the box is unstable follows from
+    the bound, if one corner is surely stable. Eq. 21 is infinite where the velocity loop of a plant
+    has a pole on the imaginary axis: between a stable corner and an unstable one.
+    """
+    if form.figure == EQUATION_17:
+        return None, True
+    witness, some_stable = corner_verdict(problem, path, _asked(form, loop))
+    if form.figure == MIXTURE:
+        return witness, some_stable
+    return witness if some_stable else None, True
+
+
+def _witness_near(
+    problem: BoxedLoop, form: Form, place: FloatArray, loop: str, path: str
+) -> Point | None:
+    """Return the same, looked for beside a place where the figure is very high."""
+    if form.figure == EQUATION_17:
+        return None
+    asked = _asked(form, loop)
+    if form.figure == EQUATION_21 and not corner_verdict(problem, path, asked)[1]:
+        return None
+    return witness_near(problem, place, path, asked)
+
+
+def _asked(form: Form, loop: str) -> str:
+    """Return the loop whose stability the figure asks for."""
+    velocity = loop == "velocity" or form.figure == EQUATION_21
+    return "velocity" if velocity else "force_reference"
+
+
+def _result(
+    name: tuple[str, str, str],
+    attained: float,
+    at: Point | None,
+    proved: float,
+    tolerance: float,
+    boxes: int,
+) -> Bound:
+    closed = proved == attained or proved <= (1 + tolerance) * max(attained, SMALLEST) * (1 + 1e-9)
+    if name[2] == "disk_margin":  # α = 1/max |S − T|/2
+        attained, proved = 1 / attained, 1 / proved
+    return Bound(*name, attained, at, proved, bool(closed), boxes)

@@ -1,0 +1,255 @@
+"""The certificate's function over a box of frequencies and plants, and its gradient.
+
+F = |n|² − γ²|d|² = α|Y|² + 2 Re(βY) + δ, negative wherever the figure is below γ: no division, and
+a denominator that does not vanish is implied. The coordinates of a box are, in this order, ω
+[rad/s], μ = m_N/m, the delay d [s], τ_A and τ_B [s], and an extra phase φ [rad] that is zero but
+where a phase margin is asked for. With Ŷ = μH, H = Σ_k z_k G_F(jω_k) e^{−j(ω_k − ω)d}, Eq. 11 as
+G_F = a/(1 + jωτ_A) + (1 − a)/(1 + jωτ_B) and a = A_A/(A_A + A_B), Y = Ŷ e^{−j(ωd + φ)}: |Y| knows
+nothing of the main phase, which therefore stands with β alone.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from mptune.arrays import FloatArray, Real, kernel
+from mptune.certify.balls import ROUND, Dual, modulus, widened
+from mptune.certify.discs import (
+    Disc,
+    along,
+    disc_of,
+    lag,
+    lagging,
+    multiple,
+    product,
+    slope_of,
+    total,
+    turning_disc,
+    twice_real,
+)
+from mptune.certify.rows import (
+    ALPHA_D,
+    ALPHA_N,
+    BETA_D,
+    BETA_N,
+    D_0,
+    D_1,
+    DELTA_D,
+    DELTA_N,
+    stored,
+)
+
+OMEGA, RATIO, DELAY, TAU_A, TAU_B, PHASE = 0, 1, 2, 3, 4, 5
+SIDES = 6
+
+
+class Enclosed(NamedTuple):
+    """F at the centre, its rounding, and how far it may move over the box by the discs alone."""
+
+    value: float
+    error: float
+    spread: float
+
+
+@kernel
+def _weighed(row: FloatArray, top: int, bottom: int, num: float, den: float) -> Dual:
+    """Return num times one coefficient of a row less den times another."""
+    a, b = stored(row, top), stored(row, bottom)
+    rounding = 2 * ROUND * (num * modulus(a.value) + den * modulus(b.value))
+    rounding_slope = 2 * ROUND * (num * modulus(a.slope) + den * modulus(b.slope))
+    return Dual(
+        num * a.value - den * b.value,
+        widened(num * a.error + den * b.error + rounding),
+        widened(num * a.spread + den * b.spread + rounding),
+        num * a.slope - den * b.slope,
+        widened(num * a.slope_spread + den * b.slope_spread + rounding_slope),
+    )
+
+
+class PlantDiscs(NamedTuple):
+    """H, and its derivatives by ω, d, τ_A and τ_B."""
+
+    whole: Disc
+    by_omega: Disc
+    by_delay: Disc
+    by_tau_a: Disc
+    by_tau_b: Disc
+
+
+@kernel
+def _term(
+    coefficient: Dual,
+    shift: float,
+    share_a: float,
+    centre: FloatArray,
+    half: FloatArray,
+) -> PlantDiscs:
+    """Return one term z_k G_F(jω_k) e^{−j(ω_k − ω)d} of H with its derivatives."""
+    omega, half_omega = centre[OMEGA] + shift, half[OMEGA]
+    value, slope = disc_of(coefficient), slope_of(coefficient)
+    if shift != 0:
+        turn = turning_disc(shift * centre[DELAY], abs(shift) * half[DELAY] * (1 + 4 * ROUND))
+        value, slope = product(value, turn), product(slope, turn)
+    lag_a = lag(omega, centre[TAU_A], half_omega, half[TAU_A])
+    lag_b = lag(omega, centre[TAU_B], half_omega, half[TAU_B])
+    force = total(multiple(lag_a, share_a, 0.0), multiple(lag_b, 1 - share_a, 0.0))  # Eq. 11
+    square_a = multiple(product(value, product(lag_a, lag_a)), share_a, 0.0)
+    square_b = multiple(product(value, product(lag_b, lag_b)), 1 - share_a, 0.0)
+    whole = product(value, force)
+    moving = total(
+        multiple(square_a, centre[TAU_A], half[TAU_A]),
+        multiple(square_b, centre[TAU_B], half[TAU_B]),
+    )
+    return PlantDiscs(
+        whole,
+        total(product(slope, force), lagging(moving)),
+        lagging(multiple(whole, shift, 0.0)),
+        lagging(multiple(square_a, omega, half_omega)),
+        lagging(multiple(square_b, omega, half_omega)),
+    )
+
+
+@kernel
+def plant_over(
+    row: FloatArray, shifts: FloatArray, share_a: float, centre: FloatArray, half: FloatArray
+) -> PlantDiscs:
+    """Return H and its derivatives over a box ``centre``, ``half``, ``(SIDES,)`` each."""
+    found = _term(stored(row, len(shifts) - 1), shifts[-1], share_a, centre, half)
+    for k in range(len(shifts) - 1):
+        one = _term(stored(row, k), shifts[k], share_a, centre, half)
+        found = PlantDiscs(
+            total(found.whole, one.whole),
+            total(found.by_omega, one.by_omega),
+            total(found.by_delay, one.by_delay),
+            total(found.by_tau_a, one.by_tau_a),
+            total(found.by_tau_b, one.by_tau_b),
+        )
+    return found
+
+
+@kernel
+def enclose(
+    plant: PlantDiscs,
+    row: FloatArray,
+    terms: int,
+    num: float,
+    den: float,
+    centre: FloatArray,
+    half: FloatArray,
+    slopes: FloatArray,
+    spreads: FloatArray,
+) -> Enclosed:
+    """Enclose num·|n|² − den·|d|² over a box, and its gradient.
+
+    Parameters
+    ----------
+    plant
+        H over the box.
+    row, terms
+        The figure's coefficients over the box's frequencies, and its number of shifts.
+    num, den
+        Weights of numerator and denominator, not negative: 1 and γ², say.
+    centre, half
+        ``(SIDES,)`` the box.
+    slopes, spreads
+        ``(SIDES,)``, filled with the gradient: within ``spreads`` of ``slopes`` over the box.
+    """
+    omega, ratio, delay = centre[OMEGA], centre[RATIO], centre[DELAY]
+    alpha = _weighed(row, terms + ALPHA_N, terms + ALPHA_D, num, den)
+    delta = _weighed(row, terms + DELTA_N, terms + DELTA_D, num, den)
+    both = _weighed(row, terms + BETA_N, terms + BETA_D, num, den)
+    reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
+    turn = turning_disc(omega * delay + centre[PHASE], widened(reach))
+    beta, moving = product(disc_of(both), turn), product(slope_of(both), turn)
+    whole = multiple(plant.whole, ratio, half[RATIO])  # Ŷ
+    size = modulus(whole.value)
+    square = size * size
+    square_error = (2 * size + whole.error) * whole.error + 4 * ROUND * square
+    square_spread = (2 * size + whole.spread) * whole.spread + 4 * ROUND * square
+    turned = product(beta, whole)  # βY
+    level = alpha.value.real
+    force = Disc(  # half of what F's gradient by Y is
+        complex(whole.value.real, -whole.value.imag) * level + beta.value,
+        0.0,
+        abs(level) * whole.spread
+        + alpha.spread * (size + whole.spread)
+        + beta.spread
+        + 4 * ROUND * (abs(level) * size + modulus(beta.value)),
+    )
+    ahead = twice_real(lagging(turned), 1.0, 0.0)
+    slopes[PHASE], spreads[PHASE] = ahead
+    slopes[RATIO], spreads[RATIO] = twice_real(product(force, plant.whole), 1.0, 0.0)
+    ratio_half = half[RATIO]
+    tau_a = twice_real(product(force, plant.by_tau_a), ratio, ratio_half)
+    tau_b = twice_real(product(force, plant.by_tau_b), ratio, ratio_half)
+    late = twice_real(product(force, plant.by_delay), ratio, ratio_half)
+    fast = twice_real(product(force, plant.by_omega), ratio, ratio_half)
+    own = product(moving, whole)
+    slopes[TAU_A], spreads[TAU_A] = tau_a
+    slopes[TAU_B], spreads[TAU_B] = tau_b
+    slopes[DELAY] = late[0] + omega * ahead[0]
+    spreads[DELAY] = late[1] + abs(omega) * ahead[1] + half[OMEGA] * (abs(ahead[0]) + ahead[1])
+    slopes[OMEGA] = fast[0] + delay * ahead[0]
+    slopes[OMEGA] += alpha.slope.real * square + 2 * own.value.real + delta.slope.real
+    spreads[OMEGA] = fast[1] + delay * ahead[1] + half[DELAY] * (abs(ahead[0]) + ahead[1])
+    spreads[OMEGA] += alpha.slope_spread * (square + square_spread) + 2 * own.spread
+    spreads[OMEGA] += abs(alpha.slope.real) * square_spread + delta.slope_spread
+    parts = abs(fast[0]) + (delay + abs(omega)) * abs(ahead[0]) + abs(late[0])
+    parts += abs(alpha.slope.real) * square + 2 * modulus(own.value) + abs(delta.slope.real)
+    for i in range(SIDES):
+        spreads[i] = widened(spreads[i] + 8 * ROUND * abs(slopes[i]))
+    spreads[OMEGA] += 8 * ROUND * parts
+    spreads[DELAY] += 8 * ROUND * parts
+    value = level * square + 2 * turned.value.real + delta.value.real
+    rounding = abs(level) * square + 2 * modulus(turned.value) + abs(delta.value.real)
+    rounding *= 4 * ROUND
+    error = alpha.error * (square + square_error) + abs(level) * square_error
+    spread = alpha.spread * (square + square_spread) + abs(level) * square_spread
+    return Enclosed(
+        value,
+        widened(error + 2 * turned.error + delta.error + rounding),
+        widened(spread + 2 * turned.spread + delta.spread + rounding),
+    )
+
+
+@kernel
+def clearance(
+    plant: PlantDiscs,
+    row: FloatArray,
+    terms: int,
+    centre: FloatArray,
+    half: FloatArray,
+) -> Real:
+    """Return what the denominator's modulus is at least over a box, or a number below zero.
+
+    With θ the argument of d at the centre, |d| ≥ Re(e^{−jθ}d), whose mean value form knows how
+    the denominator moves relative to where it stands: nothing but that part can bring it to zero.
+    """
+    omega, ratio, delay = centre[OMEGA], centre[RATIO], centre[DELAY]
+    first, second = stored(row, terms + D_0), stored(row, terms + D_1)
+    reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
+    turn = turning_disc(omega * delay + centre[PHASE], widened(reach))
+    weight = product(disc_of(second), turn)  # d_1 e^{−j(ωd + φ)}
+    whole = multiple(plant.whole, ratio, half[RATIO])
+    ahead = lagging(product(weight, whole))
+    value = first.value + weight.value * whole.value
+    size = modulus(value)
+    if size == 0:
+        return -1.0
+    unit = complex(value.real / size, -value.imag / size)
+    moving = total(slope_of(first), product(product(slope_of(second), turn), whole))
+    by_omega = multiple(product(weight, plant.by_omega), ratio, half[RATIO])
+    by_omega = total(total(by_omega, moving), multiple(ahead, delay, half[DELAY]))
+    by_delay = multiple(product(weight, plant.by_delay), ratio, half[RATIO])
+    by_delay = total(by_delay, multiple(ahead, omega, half[OMEGA]))
+    by_tau_a = multiple(product(weight, plant.by_tau_a), ratio, half[RATIO])
+    by_tau_b = multiple(product(weight, plant.by_tau_b), ratio, half[RATIO])
+    least = size - first.error - weight.error * modulus(whole.value)
+    least -= whole.error * (modulus(weight.value) + weight.error)
+    least -= 8 * ROUND * (modulus(first.value) + modulus(weight.value) * modulus(whole.value))
+    least -= along(by_omega, unit) * half[OMEGA]
+    least -= along(product(weight, plant.whole), unit) * half[RATIO]
+    least -= along(by_delay, unit) * half[DELAY]
+    least -= along(by_tau_a, unit) * half[TAU_A] + along(by_tau_b, unit) * half[TAU_B]
+    least -= along(ahead, unit) * half[PHASE]
+    return least - 8 * ROUND * size

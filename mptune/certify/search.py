@@ -1,0 +1,194 @@
+"""Branch and bound: a proof over a list of boxes, in one compiled search.
+
+A box is proved when F < 0 all over it, by the discs alone or by the centred form
+F(c) + Σ sup|∂F/∂x_i|·r_i; or, where only that is asked, because the denominator keeps clear of
+zero. Where the enclosure of a partial derivative has one sign, the largest F lies on one face, and
+the box collapses to it; else the side with the largest sup|∂F/∂x_i|·r_i is bisected. The list is
+worked off depth first. A centre where F > 0 for certain lies above the bound and ends the search;
+so does a box too small to be split: there F = 0 as far as can be told. What is proved for a lower
+bound holds for a higher one.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
+
+from mptune.arrays import FloatArray, kernel
+from mptune.certify.balls import ROUND
+from mptune.certify.enclosure import (
+    OMEGA,
+    SIDES,
+    Enclosed,
+    PlantDiscs,
+    clearance,
+    enclose,
+    plant_over,
+)
+from mptune.certify.figures import coefficients
+from mptune.certify.rows import DELTA_N, FIXED, PER_DUAL, stored
+
+if TYPE_CHECKING:
+    from mptune.certify.form import Form
+
+PROVED, ABOVE, OPEN, STUCK = 0, 1, 2, 3
+_SMALLEST = 1e-13  # half a side over its place, below which it is not split any more
+_TINY = 1e-25  # and in itself, in SI
+_CARE = 1 + 1e-14
+_FAR = 1e-6  # weight of n over that of d, below which only zeros of d are asked for
+
+
+class Found(NamedTuple):
+    """How a search ended: its status, the boxes it took, and how many are left on the list."""
+
+    status: int
+    boxes: int
+    left: int
+
+
+@kernel
+def search(
+    form: Form,
+    shifts: FloatArray,
+    curve: FloatArray,
+    num: float,
+    den: float,
+    lows: FloatArray,
+    highs: FloatArray,
+    count: int,
+    budget: int,
+    point: FloatArray,
+) -> Found:
+    """Prove that the figure is below a bound in every box of a list.
+
+    Parameters
+    ----------
+    form, shifts, curve
+        The figure, as ``coefficients`` takes it.
+    num, den
+        Asked is num·|n|² < den·|d|²: 1 and γ² for a bound γ of the figure. Where num ≤ den/10⁶ the
+        question is whether the denominator comes near zero, and n_1 = 0 is taken for granted.
+    lows, highs
+        ``(S, SIDES)``: the list of boxes, its first ``count`` rows in use, the others are room.
+        Worked off from its end: what is left of it is not proved.
+    count
+        Boxes on the list.
+    budget
+        Boxes to try at most.
+    point
+        ``(SIDES,)``, filled: where the figure is ABOVE, or where the search ended.
+    """
+    terms = len(shifts)
+    # A box at place p uses the coefficients in a slot ≤ p, so that the last one may fill its own.
+    slots = np.empty(len(lows), np.int64)
+    for i in range(count):
+        slots[i] = -1
+    rows = np.empty((len(lows), PER_DUAL * (FIXED + terms)))
+    half, slopes, spreads = np.empty(SIDES), np.empty(SIDES), np.empty(SIDES)
+    centre = point
+    boxes = 0
+    while count > 0:
+        last = count - 1
+        low, high = lows[last], highs[last]
+        _measure(low, high, centre, half)
+        if boxes >= budget or count == len(lows):
+            return Found(OPEN, boxes, count)
+        boxes += 1
+        if slots[last] < 0:
+            slots[last] = last
+            coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], rows[last])
+        row = rows[slots[last]]
+        plant = plant_over(row, shifts, form.share_a, centre, half)
+        f = enclose(plant, row, terms, num, den, centre, half, slopes, spreads)
+        if _highest(f, slopes, spreads, half) < 0 or _clear(
+            plant, row, terms, num, den, centre, half
+        ):
+            slots[last] = -1
+            count -= 1
+            continue
+        if f.value > f.error:
+            return Found(ABOVE, boxes, count)
+        if _collapse(low, high, slopes, spreads):
+            slots[last] = -1
+            continue
+        side = _widest(centre, half, slopes, spreads)
+        if side < 0:
+            return Found(STUCK, boxes, count)
+        _split(lows, highs, count, side, centre[side])
+        slots[last] = -1 if side == OMEGA else slots[last]
+        slots[count] = slots[last]
+        count += 1
+    return Found(PROVED, boxes, 0)
+
+
+@kernel
+def _measure(low: FloatArray, high: FloatArray, centre: FloatArray, half: FloatArray) -> None:
+    """Fill centre and half widths, which reach at least to both ends."""
+    for i in range(SIDES):
+        centre[i] = 0.5 * (low[i] + high[i])
+        half[i] = max(high[i] - centre[i], centre[i] - low[i]) * (1 + ROUND)
+
+
+@kernel
+def _split(lows: FloatArray, highs: FloatArray, count: int, side: int, middle: float) -> None:
+    """Bisect the last box of the list: its upper part is added as a further one."""
+    last = count - 1
+    for i in range(SIDES):
+        lows[count, i], highs[count, i] = lows[last, i], highs[last, i]
+    highs[last, side] = lows[count, side] = middle
+
+
+@kernel
+def _clear(
+    plant: PlantDiscs,
+    row: FloatArray,
+    terms: int,
+    num: float,
+    den: float,
+    centre: FloatArray,
+    half: FloatArray,
+) -> bool:
+    """Return whether the denominator stays clear of zero, if that is what is asked."""
+    if num > _FAR * den:
+        return False
+    least = clearance(plant, row, terms, centre, half)
+    top = stored(row, terms + DELTA_N)  # |n|², n_1 = 0
+    return bool(least > 0 and den * least * least > num * (top.value.real + top.spread) * _CARE)
+
+
+@kernel
+def _highest(f: Enclosed, slopes: FloatArray, spreads: FloatArray, half: FloatArray) -> float:
+    """Return what F is at most over a box: by the discs, or by the centred form."""
+    centred = f.value + f.error
+    size = abs(f.value)
+    for i in range(SIDES):
+        reach = (abs(slopes[i]) + spreads[i]) * half[i]
+        centred += reach
+        size += reach
+    return min(centred + 4 * ROUND * size, f.value + f.spread * (1 + 2 * ROUND))
+
+
+@kernel
+def _collapse(low: FloatArray, high: FloatArray, slopes: FloatArray, spreads: FloatArray) -> bool:
+    """Reduce a box to the faces that hold its largest F; return whether any was found."""
+    found = False
+    for i in range(SIDES):
+        if low[i] < high[i] and abs(slopes[i]) > spreads[i]:
+            found = True
+            if slopes[i] > 0:
+                low[i] = high[i]
+            else:
+                high[i] = low[i]
+    return found
+
+
+@kernel
+def _widest(centre: FloatArray, half: FloatArray, slopes: FloatArray, spreads: FloatArray) -> int:
+    """Return the side over which F may move most, −1 where all are too short to be split."""
+    side, most = -1, 0.0
+    for i in range(SIDES):
+        reach = (abs(slopes[i]) + spreads[i]) * half[i]
+        if reach > most and half[i] > _SMALLEST * abs(centre[i]) + _TINY:
+            side, most = i, reach
+    return side

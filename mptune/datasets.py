@@ -1,0 +1,49 @@
+"""Labelled data sets on disk, as NetCDF: one writer, and the way back.
+
+A data set is built in memory and its bytes are handed to the writer of whole files, since a disk
+that fills up under an open HDF5 file takes the process with it.
+"""
+
+from __future__ import annotations
+
+import io
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from mptune.errors import Fault, InputError
+from mptune.files import write_whole
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+_ENGINE: Final = "h5netcdf"
+
+
+def write_dataset(path: str | Path, dataset: xr.Dataset) -> Path:
+    """Write a data set as NetCDF, whole or not at all.
+
+    Raises
+    ------
+    OutputError
+        If the file cannot be written; an earlier file of that name is then untouched.
+    """
+    stream = io.BytesIO()
+    dataset.to_netcdf(stream, engine=_ENGINE)
+    return write_whole(path, stream.getvalue())
+
+
+def read_dataset(path: str | Path, remedy: str = "make it again") -> xr.Dataset:
+    """Return a stored data set, read whole.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read; with ``remedy``.
+    """
+    import xarray as xr
+
+    try:
+        with xr.open_dataset(io.BytesIO(Path(path).read_bytes()), engine=_ENGINE) as dataset:
+            return dataset.load()
+    except (OSError, ValueError, KeyError) as error:
+        raise InputError(path, Fault("", "", f"cannot be read: {error}", remedy)) from error

@@ -1,0 +1,90 @@
+"""What a whole run found and wrote."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, ClassVar
+
+from mptune.interop import Drawn
+from mptune.strict import strict
+from mptune.summary import Summarised
+
+if TYPE_CHECKING:
+    from collections.abc import Mapping
+    from pathlib import Path
+
+    from mptune.params.study import ResolvedStudy
+    from mptune.robust.chain import Link
+    from mptune.robust.result import SweepResult
+    from mptune.sim.sampled import LinearMove
+    from mptune.tune.baselines import Baseline
+    from mptune.tune.result import TuneResult
+    from mptune.verify.result import VerifyResult
+
+
+@dataclass(frozen=True, repr=False)
+class JobResult(Summarised, Drawn):
+    """What a whole run found and wrote.
+
+    Attributes
+    ----------
+    published
+        The sweep of the study's own gains.
+    tuned
+        The tuner's result, with its own sweep.
+    moves, moves_before
+        The linear check with tuned and with the study's own gains.
+    verified
+        The nonlinear machine under the exported gains; None where their margins are not satisfied,
+        as the controller then refuses them.
+    chain
+        How far the gain at F_ref may rise with the tuned gains; the nonlinear machine's link comes
+        last, where it was run.
+    compared
+        P, PI and PID tuned alike; empty where not asked for.
+    files
+        What was written.
+    """
+
+    drawings: ClassVar[Mapping[str, str]] = {"gains": "mptune.figures.compare:compared_gains"}
+
+    study: ResolvedStudy
+    published: SweepResult
+    tuned: TuneResult
+    moves: tuple[LinearMove, ...]
+    moves_before: tuple[LinearMove, ...]
+    verified: VerifyResult | None
+    chain: tuple[Link, ...]
+    compared: tuple[Baseline, ...] = ()
+    files: tuple[Path, ...] = ()
+
+    @property
+    def satisfied(self) -> bool:
+        """Whether every requirement is met and every machine verified as stable."""
+        verified = self.verified is not None and self.verified.satisfied
+        return self.tuned.sweep.satisfied and verified
+
+    @property
+    def headline(self) -> str:
+        """Study and verdict."""
+        verdict = "met" if self.satisfied else "not met"
+        return f"Run of {self.study.name}: every requirement {verdict}, {len(self.files)} files"
+
+    def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
+        own = ("the study's own", self.published, self.moves_before)
+        return ((own, ("tuned", self.tuned.sweep, self.moves)),)
+
+    def json(self) -> dict[str, Any]:
+        """Return the result in SI, units in the keys."""
+        values = {
+            "sweep": self.published.json(),
+            "tune": {**self.tuned.json(), "sweep": self.tuned.sweep.json()},
+            "linear_check": [case.json() for case in self.moves],
+            "verify": self.verified.json() if self.verified else None,
+            "chain": [link.json() for link in self.chain],
+            "satisfied": self.satisfied,
+            "files": [str(path) for path in self.files],
+        }
+        if self.compared:
+            values["compared"] = [one.json() for one in self.compared]
+        return strict(values)

@@ -1,0 +1,110 @@
+"""The nonlinear machine's trace as a neutral record, with the limits that the machine has."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from mptune.plant import machine as plant
+from mptune.sim import closed_loop as loop
+from mptune.sim.record import BrokenLimit, Energies, RunRecord
+
+if TYPE_CHECKING:
+    from mptune.arrays import FloatArray
+    from mptune.params.pack import Machine
+    from mptune.sim.moves import Moves
+
+_CONVERTERS = slice(loop.CONVERTER_1, loop.CONVERTER_1 + 4)
+_CHAMBERS = slice(loop.CHAMBER_A, loop.CHAMBER_B + 1)
+
+
+def record_of(
+    trace: FloatArray,
+    moves: Moves,
+    energy: FloatArray,
+    switches: int,
+    machine: Machine,
+    tick: float,
+    force_limits: tuple[float, float],
+    begin: float = 0.0,
+) -> RunRecord:
+    """Return the record of one movement set; it looks at the trace and does not copy it.
+
+    Parameters
+    ----------
+    trace
+        ``(T, 15)``, see ``mptune.sim.closed_loop``.
+    moves
+        The reference.
+    energy
+        ``(8,)`` energies of the set [J], see ``mptune.plant.machine``.
+    switches
+        Valve switches in the set.
+    machine
+        The machine.
+    tick
+        Time between rows [s].
+    force_limits
+        Least and largest force reference [N].
+    begin
+        When the set began [s].
+    """
+    with np.errstate(invalid="ignore", over="ignore"):  # of a run that left the numbers
+        force = machine.area_a * trace[:, loop.CHAMBER_A]
+        force = force - machine.area_b * trace[:, loop.CHAMBER_B]
+    return RunRecord(
+        sample_time=tick,
+        position_reference=trace[:, loop.X_REF],
+        velocity_reference=trace[:, loop.V_REF],
+        position=trace[:, loop.POSITION],
+        velocity=trace[:, loop.VELOCITY],
+        force_reference=trace[:, loop.F_REF],
+        force=force,
+        active=trace[:, loop.ACTIVE] > 0,
+        ends=moves.ends,
+        travel=moves.travel,
+        energies=energies_of(energy),
+        switches=switches,
+        force_limits=force_limits,
+        broken=broken_limits(trace, machine, tick, begin),
+        pressures=trace[:, _CHAMBERS],
+        converters=trace[:, _CONVERTERS],
+    )
+
+
+def energies_of(energy: FloatArray) -> Energies:
+    """Return the machine's energies ``(8,)`` by where they came from and went."""
+    values = [float(one) for one in energy]
+    return Energies(
+        pumped=values[plant.PUMP],
+        drawn=values[plant.ACCUMULATOR],
+        returned=values[plant.TANK],
+        delivered=values[plant.PISTON],
+        spent={
+            "throttling": values[plant.THROTTLING],
+            "converter friction": values[plant.CONVERTER_FRICTION],
+            "compression": values[plant.COMPRESSION],
+        },
+    )
+
+
+def broken_limits(
+    trace: FloatArray, machine: Machine, tick: float, begin: float
+) -> tuple[BrokenLimit, ...]:
+    """Return the limits that a set breaks and when first, in the order of time."""
+    slack = 1e-6
+    converters = np.abs(trace[:, _CONVERTERS]).max(axis=1)
+    position = trace[:, loop.POSITION]
+    empty = machine.accumulator_precharge * (1 + slack)
+    tests = {
+        "a converter piston stands at its end": converters >= machine.converter_travel - slack,
+        "the piston stands at its end": (position <= slack) | (position >= machine.stroke - slack),
+        "the accumulator is empty": trace[:, loop.HIGH_PRESSURE] <= empty,
+    }
+    broken = [
+        BrokenLimit(name, float(np.argmax(hit)) * tick + begin)
+        for name, hit in tests.items()
+        if hit.any()
+    ]
+    return tuple(sorted(broken, key=lambda limit: limit.at))
