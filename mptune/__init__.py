@@ -57,7 +57,7 @@ if TYPE_CHECKING:
     from mptune.campaign.result import CampaignResult
     from mptune.campaign.workers import Workers, workers
     from mptune.certify.problem import BoxedLoop, PlantBox, Point
-    from mptune.certify.result import Bound, BoxStability, Bracket, Stability
+    from mptune.certify.result import Bound, BoxStability, Bracket, Grounds, Stability
     from mptune.errors import Fault, InputError, MptuneError, OutputError
     from mptune.force.controller import ForceController, Measured
     from mptune.identify.excitation import Excitation
@@ -78,7 +78,7 @@ if TYPE_CHECKING:
     from mptune.params.paper import LEDGER, PUBLISHED_GAINS
     from mptune.params.study import ResolvedStudy, Study
     from mptune.progress import Progress
-    from mptune.robust.certificates import Certificates, Grounds
+    from mptune.robust.certificates import Certificates
     from mptune.robust.chain import Link, chain
     from mptune.robust.condition import Sides
     from mptune.robust.family import Family
@@ -93,6 +93,8 @@ if TYPE_CHECKING:
     from mptune.shape.design import Design, design
     from mptune.shape.problem import Function, Linear, Norm, Peak
     from mptune.shape.procedure import Iterate, ShapeStatus, Use
+    from mptune.shape.proofs import PeakVerdict
+    from mptune.shape.rational import RationalPlant
     from mptune.shape.shaping import Relief, Shaped
     from mptune.shape.structure import Structure
     from mptune.shape.structure import basis_of as structure_of
@@ -127,7 +129,7 @@ _MODULES = {
     "campaign.result": "CampaignResult",
     "campaign.workers": "Workers, workers",
     "certify.problem": "BoxedLoop, PlantBox, Point",
-    "certify.result": "Bound, BoxStability, Bracket, Stability",
+    "certify.result": "Bound, BoxStability, Bracket, Grounds, Stability",
     "errors": "Fault, InputError, MptuneError, OutputError",
     "force.controller": "ForceController, Measured",
     "identify.excitation": "Excitation",
@@ -148,7 +150,7 @@ _MODULES = {
     "params.paper": "LEDGER, PUBLISHED_GAINS",
     "params.study": "ResolvedStudy, Study",
     "progress": "Progress",
-    "robust.certificates": "Certificates, Grounds",
+    "robust.certificates": "Certificates",
     "robust.chain": "Link, chain",
     "robust.condition": "Sides",
     "robust.family": "Family",
@@ -163,6 +165,8 @@ _MODULES = {
     "shape.design": "Design, design",
     "shape.problem": "Function, Linear, Norm, Peak",
     "shape.procedure": "Iterate, ShapeStatus, Use",
+    "shape.proofs": "PeakVerdict",
+    "shape.rational": "RationalPlant",
     "shape.shaping": "Relief, Shaped",
     "shape.structure": (
         "Structure, basis_of as structure_of, p as p_structure, pi as pi_structure, pid as "
@@ -201,12 +205,13 @@ __all__ = [
     "Guarantee", "IdentifyResult", "InputError", "Interval", "Iterate", "JobResult", "Limits",
     "Linear", "LinearModel", "LinearMove", "Link", "LoopGains", "Margins", "Measured",
     "MeasurementPath", "Members", "MptuneError", "NominalPlant", "Norm", "OutputError", "Panel",
-    "Peak", "Plan", "PlantBox", "PlantPoint", "Plants", "Point", "Progress", "Recommendation",
-    "Relief", "ResolvedStudy", "Result", "Round", "RunRecord", "SetFigures", "ShapeStatus",
-    "Shaped", "Sides", "Stability", "Stage", "Status", "Structure", "Study", "SweepResult",
-    "Trial", "TuneResult", "TuneStatus", "Use", "VelocityGain", "VerifyResult", "Weights",
-    "WeightsResult", "Workers", "baselines", "chain", "controller_to_control", "design",
-    "fit_response", "from_frd", "front", "identify_loop", "linear_moves", "load_study",
+    "Peak", "PeakVerdict", "Plan", "PlantBox", "PlantPoint", "Plants", "Point", "Progress",
+    "RationalPlant", "Recommendation", "Relief", "ResolvedStudy", "Result", "Round", "RunRecord",
+    "SetFigures", "ShapeStatus", "Shaped", "Sides", "Stability", "Stage", "Status", "Structure",
+    "Study", "SweepResult", "Trial", "TuneResult", "TuneStatus", "Use", "VelocityGain",
+    "VerifyResult", "Weights", "WeightsResult", "Workers", "baselines", "chain",
+    "controller_to_control", "design", "fit_response", "from_frd", "front", "identify_loop",
+    "linear_moves", "load_study",
     "p_structure", "pi_structure", "pid_structure", "plan_campaign", "position_structure",
     "read_gains", "read_response", "run", "run_campaign", "search_weights", "structure_of",
     "sweep", "to_pandas", "tune_gains", "verify_gains", "workers", "write_gains",

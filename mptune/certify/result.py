@@ -11,6 +11,14 @@ if TYPE_CHECKING:
     from mptune.certify.problem import Point
 
 
+class Grounds(StrEnum):
+    """What a figure rests on."""
+
+    CERTIFIED = "certified"  # every plant of the question and every frequency, proved
+    GRID = "grid only"  # the plants and frequencies that were asked
+    OPEN = "open"  # the proof was not finished within its budget, or lies across the limit
+
+
 class Stability(StrEnum):
     """What is known of the closed loops of all plants of a box."""
 

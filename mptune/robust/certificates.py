@@ -8,13 +8,13 @@ certificates are the box's.
 from __future__ import annotations
 
 from dataclasses import dataclass, field, replace
-from enum import StrEnum
 from typing import TYPE_CHECKING, Any
 
 from mptune.certify.bounds import TOLERANCE, bound
 from mptune.certify.margins import margin
 from mptune.certify.problem import BoxedLoop
 from mptune.certify.radius import radius
+from mptune.certify.result import Grounds
 from mptune.certify.stability import box_stability
 from mptune.robust.place import PlantPoint, finite
 from mptune.summary import Summarised
@@ -36,14 +36,6 @@ RADII = {  # key in JSON, and what fails
     "with_path": "filters",
     "sampled": "sampled",
 }
-
-
-class Grounds(StrEnum):
-    """What a figure rests on."""
-
-    CERTIFIED = "certified"  # the whole box and every frequency, proved
-    GRID = "grid only"  # the plants and frequencies that were asked
-    OPEN = "open"  # the proof was not finished within its budget, or lies across the limit
 
 
 @dataclass(frozen=True, repr=False)

@@ -8,10 +8,11 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
+from mptune.certify.result import Grounds
 from mptune.errors import Fault, InputError
 from mptune.interop import Drawn, Labelled
 from mptune.loops.family import derived_time_constants
-from mptune.robust.certificates import Certificates, Grounds, bound_json
+from mptune.robust.certificates import Certificates, bound_json
 from mptune.robust.place import PlantPoint, finite
 from mptune.summary import Summarised
 

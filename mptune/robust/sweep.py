@@ -8,14 +8,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import FloatArray, frozen
-from mptune.certify.result import Stability
+from mptune.certify.result import Grounds, Stability
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.noise import noise_gain
 from mptune.loops.stability import PoleCount, count_unstable_poles
 from mptune.robust.certificates import (
     EQUATION_OF,
     Certificates,
-    Grounds,
     against,
     certify,
     place_of,

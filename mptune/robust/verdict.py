@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.certify.result import Stability
+from mptune.certify.result import Grounds, Stability
 from mptune.loops.broken import FORCE
-from mptune.robust.certificates import Certificates, Grounds, against, margin_against, place_of
+from mptune.robust.certificates import Certificates, against, margin_against, place_of
 from mptune.robust.result import Check, Condition, Status
 from mptune.robust.tables import EQUATIONS
 

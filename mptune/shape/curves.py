@@ -18,7 +18,9 @@ if TYPE_CHECKING:
 GUARD = 0.02  # of its distance from −1 that no loop may lose in a step, seen from where it was
 IN_HAND = 1e-5  # of every bound, for the solver's tolerance and what refinement leaves open
 _NEARLY = 0.9  # of the bound: peaks below are not refined
-_CLOSE = 1e-4  # relative distance of frequencies below which refinement ends
+_CLOSE = 1e-4  # relative distance of frequencies below which refinement ends…
+_RISE = 1e-6  # …unless a peak is so sharp that its parabola rises by more than this share
+_CLOSEST = 1e-9  # relative distance at which it ends even so
 _ROUNDS = 8
 
 
@@ -131,14 +133,17 @@ class Curves:
                 continue
             for _ in range(_ROUNDS):
                 current = self._sampled[name]
-                added = [
-                    _vertices(current.loops.omega, self._quotient(current, kind, x), kind)
-                    for kind in current.inverse
-                ]
+                added = [self._vertices(current, kind, x) for kind in current.inverse]
                 new = np.unique(np.concatenate(added)) if added else np.zeros(0)
                 if not len(new):
                     break
                 self._sampled[name] = self._refined(name, new)
+
+    def _vertices(self, one: _Sampled, kind: str, x: FloatArray) -> FloatArray:
+        """Return frequencies to add; the kinks of a bound that is a curve are no sharp peaks."""
+        smooth = kind in self.peaks and not callable(self.peaks[kind].largest)
+        rise = _RISE if smooth else np.inf
+        return _vertices(one.loops.omega, self._quotient(one, kind, x), kind, rise)
 
     def worst(self, x: FloatArray) -> dict[str, tuple[float, float, int]]:
         """Return by kind the largest quotient, its frequency and its plant."""
@@ -273,7 +278,7 @@ def _maxima(values: FloatArray, floor: float) -> tuple[IntArray, IntArray]:
     return plant.astype(np.int64), place.astype(np.int64)
 
 
-def _vertices(omega: FloatArray, quotient: FloatArray, kind: str) -> FloatArray:
+def _vertices(omega: FloatArray, quotient: FloatArray, kind: str, rise: float) -> FloatArray:
     """Return the vertices of the parabolas through the peaks that matter, where not on the grid."""
     floor = _NEARLY * (quotient.max() if kind == "objective" else max(1.0, quotient.max()))
     plant, place = _maxima(quotient, floor)
@@ -288,5 +293,8 @@ def _vertices(omega: FloatArray, quotient: FloatArray, kind: str) -> FloatArray:
     vertex = np.zeros(len(place))
     np.divide(0.5 * (up * left**2 - down * right**2), bend, out=vertex, where=usable)
     vertex = np.clip(vertex, 0.9 * left, 0.9 * right)
-    new = usable & (np.abs(vertex) > _CLOSE) & (vertex - left > _CLOSE) & (right - vertex > _CLOSE)
+    away = np.minimum(np.abs(vertex), np.minimum(vertex - left, right - vertex))
+    slope = (down * right**2 - up * left**2) / (left * right * (right - left))
+    sharp = 0.5 * slope * vertex > rise * quotient[plant, place]
+    new = usable & ((away > _CLOSE) | (sharp & (away > _CLOSEST)))
     return np.unique(np.exp(x[place] + vertex)[new])

@@ -10,24 +10,24 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 from typing import TYPE_CHECKING, Any, NoReturn
 
 import numpy as np
 
 from mptune.errors import Fault, InputError
 from mptune.interop import frequency_response, transfer_function
+from mptune.shape.grids import common_grid
 from mptune.shape.problem import (
     Function,
-    Loops,
     Maximise,
     Peak,
     Problem,
     WeightedSensitivity,
 )
-from mptune.shape.responses import Response, between, own_range, response_of
-from mptune.shape.shaping import Shaped, shape_loop
-from mptune.shape.turns import SampledStability
+from mptune.shape.proofs import FAMILY, NOMINAL, RATIO, Proofs, loops_of
+from mptune.shape.responses import response_of
+from mptune.shape.rounds import shape_with_proof
 from mptune.strict import strict
 from mptune.summary import Summarised
 
@@ -36,13 +36,13 @@ if TYPE_CHECKING:
 
     from control import FrequencyResponseData, TransferFunction
 
-    from mptune.arrays import ComplexArray, FloatArray
+    from mptune.arrays import FloatArray
+    from mptune.certify.result import Grounds
     from mptune.shape.problem import Curve, Objective, Requirement
+    from mptune.shape.proofs import PeakVerdict
+    from mptune.shape.responses import Response
+    from mptune.shape.shaping import Shaped
     from mptune.shape.structure import Structure
-
-NOMINAL, FAMILY = "nominal", "family"
-_WIDENINGS = 4  # by a decade each
-_SETTLED = 0.1  # of |L| at the upper end, and of |S| − 1 at the lower
 
 
 @dataclass(frozen=True, repr=False)
@@ -59,12 +59,19 @@ class Design(Summarised):
         Status, verdict of every requirement, iterates, and what stands in the way if anything.
     omega
         ``(F,)`` the frequencies of the verdict [rad/s], before refinement about peaks.
+    verdicts
+        Attained value, guaranteed bound and certainty of every requirement over frequency; none
+        where the loops are not stable.
+    stability
+        Whether stability is certified, or counted on the grid.
     """
 
     structure: Structure
     gains: dict[str, float]
     shaped: Shaped
     omega: FloatArray
+    verdicts: tuple[PeakVerdict, ...]
+    stability: Grounds
 
     @property
     def headline(self) -> str:
@@ -73,8 +80,10 @@ class Design(Summarised):
         return f"Design: {self.shaped.status}, {found}"
 
     def json(self) -> dict[str, Any]:
-        """Return parameters, status and requirements."""
-        return strict({"gains": self.gains, **self.shaped.json()})
+        """Return parameters, status and requirements, and what of them is certified."""
+        verdicts = [asdict(verdict) for verdict in self.verdicts]
+        proofs = {"stability": self.stability.value, "verdicts": verdicts}
+        return strict({"gains": self.gains, **self.shaped.json(), **proofs})
 
     def to_control(self) -> TransferFunction | FrequencyResponseData:
         """Return the controller as python-control's object.
@@ -118,13 +127,16 @@ def design(
     Parameters
     ----------
     plant
-        The nominal plant: values ``(F,)`` at ``omega``, a function of s, or a continuous-time
-        FrequencyResponseData, TransferFunction or StateSpace object of python-control.
+        The nominal plant: values ``(F,)`` at ``omega``, a function of s, a continuous-time
+        FrequencyResponseData, TransferFunction or StateSpace object of python-control, or a
+        ``RationalPlant``, which has exact dead time beside poles and zeros. Of those that know
+        their poles and zeros the result is certified.
     structure
         The controller: ``mptune.pi_structure`` and others beside it make P, PI, PID and Eq. 22,
         ``mptune.structure_of`` one of any functions.
     omega
-        Frequencies [rad/s]; for functions found from the nominal plant where None.
+        Frequencies [rad/s]; for functions found from the nominal plant where None. Certificates
+        are over all frequencies all the same.
     maximise
         The parameter to make largest; else give ``sensitivity_weight``.
     sensitivity_weight
@@ -147,19 +159,35 @@ def design(
         Open-loop poles of every plant at the origin and in the right half plane, without the
         controller's; read from objects that know their poles, else 0 where None.
 
+    Returns
+    -------
+    Design
+        Gains and verdicts. Rational plants with dead time under a structure that is known as a
+        fraction are certified: closed-loop poles are counted with certainty, every bound on |S|,
+        |T|, |CS| that is a number and ``ratio`` are guaranteed over all frequencies, and what the
+        grid missed is added to it and the loop shaped again. A function, an array, a bound that
+        is a curve and a basis of one's own are judged on the grid only, which is optimistic.
+
     Raises
     ------
     InputError
         Where something is missing or contradicts itself, and where the frequencies given cannot
         decide whether a loop is stable.
+
+    Examples
+    --------
+    A transfer function of python-control with 0.4 s of dead time::
+
+        plant = RationalPlant.of(control.tf([9], [1, 1.2, 9.2, 9]), delay=0.4)
+        found = design(plant, pi_structure(), maximise="k_i", sensitivity_peak=1.4)
+        found.verdicts[0].bound  # below 1.4 at every frequency
     """
     nominal = response_of(plant, omega, "plant")
     others = [response_of(one, omega, f"family[{n}]") for n, one in enumerate(family)]
-    grid = _grid(nominal, others, omega)
     bounded = _bounded(structure, low or {}, high or {})
-    loops = {NOMINAL: _loops(grid, [nominal])}
-    if others:
-        loops[FAMILY] = _loops(grid, others)
+    grid = common_grid(nominal, others, bounded, omega)
+    plants = {NOMINAL: [nominal], FAMILY: others} if others else {NOMINAL: [nominal]}
+    loops = {name: loops_of(grid, members) for name, members in plants.items()}
     wanted = [
         Peak(f"{name} ({which})", function, largest, which)
         for name, function, largest in (
@@ -171,66 +199,22 @@ def design(
     ]
     if ratio is not None:
         wanted.append(_ratio_peak(ratio, nominal, others))
-    known_integrators = nominal.integrators if integrators is None else integrators
-    known_poles = nominal.unstable_poles if unstable_poles is None else unstable_poles
-    stability = SampledStability(bounded, loops, known_integrators or 0, known_poles or 0)
+        if any(one.omega is not None for one in others):  # max|Δ| is known on the grid only
+            loops[NOMINAL] = replace(loops[NOMINAL], between=None)
+    proofs = Proofs(bounded, plants, grid, integrators, unstable_poles)
     problem = Problem(
         structure=bounded,
         loops=loops,
         objective=_objective(bounded, maximise, sensitivity_weight),
         requirements=(*wanted, *requirements),
-        stable=stability,
+        stable=proofs.stable,
     )
-    problem, shaped = _shaped_to_the_ends(problem, _first(bounded, start))
-    if not shaped.stable and stability.reasons:
-        raise InputError("design", *(stability.reasons))
+    problem, shaped, verdicts = shape_with_proof(problem, _first(bounded, start), proofs, ratio)
+    if not shaped.stable and proofs.reasons:
+        raise InputError("design", *proofs.reasons)
     gains = dict(zip(bounded.names, shaped.parameters.tolist(), strict=True))
-    return Design(bounded, gains, shaped, problem.loops[NOMINAL].omega)
-
-
-def _shaped_to_the_ends(problem: Problem, start: FloatArray | None) -> tuple[Problem, Shaped]:
-    """Shape the loop; where it still acts at an end of the grid and more is known, widen it."""
-    shaped = shape_loop(problem, start)
-    for _ in range(_WIDENINGS):
-        added = [
-            _beyond(one, one.gain(shaped.parameters @ problem.structure.response(one.omega)))
-            for one in problem.loops.values()
-            if one.between is not None
-        ]
-        new = np.unique(np.concatenate([np.zeros(0), *added]))
-        if not shaped.stable or not len(new):
-            break
-        loops = {name: one.refined(new) for name, one in problem.loops.items()}
-        problem = replace(problem, loops=loops)
-        shaped = shape_loop(problem, shaped.parameters)
-    return problem, shaped
-
-
-def _beyond(loops: Loops, gain: ComplexArray) -> FloatArray:
-    """Return frequencies beyond the ends where |S| has not settled there."""
-    low, high = loops.omega[0], loops.omega[-1]
-    size = np.abs(1 / (1 + gain))
-    moving = np.abs(np.diff(np.log(size[:, [0, 1, -2, -1]]), axis=1)).max(axis=0)
-    added = np.zeros(0)
-    if np.abs(gain[:, -1]).max() > _SETTLED and moving[2] > 0:
-        added = np.geomspace(high, 10 * high, 60)[1:]
-    if moving[0] > 0 and size[:, 0].max() > 1 + _SETTLED:
-        added = np.concatenate([np.geomspace(low / 10, low, 60)[:-1], added])
-    return added
-
-
-def _grid(nominal: Response, others: list[Response], omega: FloatArray | None) -> FloatArray:
-    """Return the common frequencies: those of sampled plants, the given, or the plant's own."""
-    sampled = [one.omega for one in (nominal, *others) if one.omega is not None]
-    if sampled:
-        if any(not np.array_equal(one, sampled[0]) for one in sampled):
-            _refuse("family", "is sampled at other frequencies than the plant", "use the same")
-        return sampled[0]
-    return own_range(nominal, "plant") if omega is None else np.asarray(omega, np.float64)
-
-
-def _loops(grid: FloatArray, plants: list[Response]) -> Loops:
-    return Loops.of(grid, np.stack([one.at(grid) for one in plants]), between(plants))
+    seen = problem.loops[NOMINAL].omega
+    return Design(bounded, gains, shaped, seen, verdicts, proofs.stability)
 
 
 def _bounded(
@@ -265,7 +249,7 @@ def _ratio_peak(ratio: float, nominal: Response, others: list[Response]) -> Peak
         error = np.max([np.abs(one.at(omega) / centre - 1) for one in others], axis=0)
         return np.asarray(ratio / np.maximum(error, 1e-300))
 
-    return Peak("ratio", Function.COMPLEMENTARY, allowed, NOMINAL)
+    return Peak(RATIO, Function.COMPLEMENTARY, allowed, NOMINAL)
 
 
 def _first(structure: Structure, start: Mapping[str, float] | None) -> FloatArray | None:

@@ -44,6 +44,7 @@ class ShapeStatus(StrEnum):
     OPTIMAL = "optimal"  # first-order stationary: a local optimum
     NOT_CONVERGED = "feasible, not converged"
     INFEASIBLE = "infeasible"
+    UNPROVEN = "not proven"  # kept at the frequencies looked at, without a certificate that holds
 
 
 @dataclass(frozen=True)
@@ -269,9 +270,11 @@ class Procedure:
             return y
         reach = 2.0
         best = y
-        while reach < 100 and better(x + reach * (y - x), best):
-            best = x + reach * (y - x)
-            reach *= 2
+        while reach < 100:
+            further = self._on_bounds(x + reach * (y - x))
+            if not better(further, best):
+                break
+            best, reach = further, 2 * reach
         return best
 
 

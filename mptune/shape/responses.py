@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, NoReturn
 import numpy as np
 
 from mptune.errors import Fault, InputError
+from mptune.shape.rational import RationalPlant, rational_form
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Sequence
@@ -34,12 +35,20 @@ class Response:
         Those frequencies; None where any will do.
     integrators, unstable_poles
         Poles at the origin and in the right half plane, where the plant's object knows them.
+    rational
+        Its poles, zeros and dead time, where the plant's object knows them.
     """
 
     at: Callable[[FloatArray], ComplexArray]
     omega: FloatArray | None
     integrators: int | None
     unstable_poles: int | None
+    rational: RationalPlant | None = None
+
+    @property
+    def landmarks(self) -> FloatArray:
+        """Frequencies that a grid must hold to see the plant's poles and zeros [rad/s]."""
+        return np.zeros(0) if self.rational is None else self.rational.landmarks
 
 
 def response_of(plant: Any, omega: FloatArray | None, name: str) -> Response:
@@ -50,7 +59,7 @@ def response_of(plant: Any, omega: FloatArray | None, name: str) -> Response:
     plant
         An array ``(F,)`` of values at ``omega``; a frequency response object with ``omega`` and
         values when called (python-control's FRD); or anything that is P(s) when called with
-        complex s, such as a function or a transfer function.
+        complex s: a function, a ``RationalPlant``, a transfer function, a state space.
     omega
         ``(F,)`` frequencies of an array [rad/s].
     name
@@ -58,6 +67,11 @@ def response_of(plant: Any, omega: FloatArray | None, name: str) -> Response:
     """
     _refuse_sampled_time(plant, name)
     if callable(plant) and getattr(plant, "omega", None) is None:
+        _refuse_several_channels(plant, name)
+        known = rational_form(plant)
+        if known is not None:
+            counts = known.integrators, known.unstable_poles
+            return Response(_along_axis(known), None, *counts, known)
         return Response(_along_axis(plant), None, *_poles(plant))
     if callable(plant):
         grid = np.asarray(plant.omega, np.float64)
@@ -95,6 +109,13 @@ def _refuse_sampled_time(plant: Any, name: str) -> None:
         _refuse(name, rule, "give its frequency response as an array, with omega")
 
 
+def _refuse_several_channels(plant: Any, name: str) -> None:
+    channels = getattr(plant, "ninputs", 1), getattr(plant, "noutputs", 1)
+    if channels != (1, 1):
+        rule = f"has {channels[0]} inputs and {channels[1]} outputs"
+        _refuse(name, rule, "give one of its channels")
+
+
 def _poles(plant: Any) -> tuple[int | None, int | None]:
     """Return integrators and unstable poles where the object knows its poles."""
     if not callable(getattr(plant, "poles", None)):
@@ -111,7 +132,7 @@ def own_range(plant: Response, name: str) -> FloatArray:
     The last frequency has 2π of lag more than the first, or a gain 1e-4 times that at half a
     radian of lag.
     """
-    wide = np.geomspace(*_WIDE)
+    wide = np.union1d(np.geomspace(*_WIDE), plant.landmarks)
     values = plant.at(wide)
     turned = np.abs(np.unwrap(np.angle(values)) - np.angle(values[0]))
     moved = np.flatnonzero(turned > _FIRST_LAG)

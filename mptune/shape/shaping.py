@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass, replace
-from itertools import islice
+from itertools import chain, islice
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -12,7 +12,7 @@ from mptune.arrays import FloatArray, frozen
 from mptune.shape.active_plants import ActivePlants
 from mptune.shape.problem import Linear, Maximise, Norm, Peak
 from mptune.shape.procedure import Iterate, Procedure, ShapeStatus, Use
-from mptune.shape.starts import stabilising_starts
+from mptune.shape.starts import integral_starts, stabilising_starts
 from mptune.strict import strict
 from mptune.summary import Summarised
 
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mptune.shape.problem import Problem
 
 _ROUNDS = 30
-_STARTS = 3  # before a problem is called infeasible
+_STARTS = 3  # of each kind, before a problem is called infeasible
 _EXACT = 1e-6  # of a quotient
 _EQUAL = 1e-3  # at the least largest quotient several are equally large
 _NEAR = 1e-4  # of the objective: a plant that is worse by less is not picked for it
@@ -123,7 +123,8 @@ def shape_loop(problem: Problem, start: FloatArray | None = None) -> Shaped:
     """
     given = None if start is None else np.asarray(start, np.float64)
     attempts = []
-    for first in islice(stabilising_starts(problem, given), _STARTS):
+    starts = stabilising_starts(problem, given), integral_starts(problem)
+    for first in chain.from_iterable(islice(one, _STARTS) for one in starts):
         replaced = given is not None and not np.array_equal(first, given)
         attempt = _Shaping(problem, first, replaced=replaced)
         outcome = attempt.shaped()

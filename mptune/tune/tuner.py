@@ -7,9 +7,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.certify.result import Grounds
 from mptune.params.controller import Gains
 from mptune.progress import silent
-from mptune.robust.certificates import Grounds
 from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
 from mptune.robust.sweep import sweep

@@ -7,10 +7,10 @@ import json
 import numpy as np
 import pytest
 
-from mptune.certify.result import Stability
+from mptune.certify.result import Grounds, Stability
 from mptune.loops.family import ranges_of
 from mptune.params.pack import Plants
-from mptune.robust.certificates import Grounds, against, radii_of
+from mptune.robust.certificates import against, radii_of
 from mptune.robust.condition import sides
 from mptune.robust.model import LinearModel
 from mptune.robust.result import Status

@@ -84,3 +84,21 @@ def test_the_tangent_of_the_lower_limit_of_xi_is_on_the_safe_side(one, other):
     x = structure.position_parameters(*other[:4])
     tangent = limit.value(at) + limit.gradient(at) @ (x - at)
     assert tangent >= limit.value(x) - 1e-9 * (1 + limit.size(x) + abs(tangent))
+
+
+@pytest.mark.parametrize(
+    "one", [structure.p(), structure.pi(), structure.pid(0.07), structure.position(0.03)]
+)
+def test_fraction_is_the_basis(one):
+    """Numerators over one denominator against the functions themselves."""
+    x = np.arange(1.0, 1.0 + len(one.names))
+    numerator, denominator = one.fraction(x)
+    s = 1j * OMEGA
+    found = np.polyval(numerator, s) / np.polyval(denominator, s)
+    np.testing.assert_allclose(found, one.controller(x, OMEGA), rtol=1e-12)
+
+
+def test_a_basis_of_mere_functions_has_no_fraction():
+    own = structure.basis_of([lambda s: np.exp(-s)], ["k"])
+    with pytest.raises(InputError, match="not known as a fraction"):
+        own.fraction(np.ones(1))

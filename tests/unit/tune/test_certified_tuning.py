@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import pytest
 
-from mptune.robust.certificates import Grounds
+from mptune.certify.result import Grounds
 from mptune.tune.result import TuneStatus
 from mptune.tune.tuner import tune
 
