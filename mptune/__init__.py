@@ -74,7 +74,7 @@ if TYPE_CHECKING:
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.gains import GainsFile, read_gains, write_gains
     from mptune.params.load import load_study
-    from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
+    from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant, Plants
     from mptune.params.paper import LEDGER, PUBLISHED_GAINS
     from mptune.params.study import ResolvedStudy, Study
     from mptune.progress import Progress
@@ -146,7 +146,7 @@ _MODULES = {
     "params.controller": "Feedforward, Gains",
     "params.gains": "GainsFile, read_gains, write_gains",
     "params.load": "load_study",
-    "params.pack": "LoopGains, MeasurementPath, NominalPlant, Plants",
+    "params.packed": "LoopGains, MeasurementPath, NominalPlant, Plants",
     "params.paper": "LEDGER, PUBLISHED_GAINS",
     "params.study": "ResolvedStudy, Study",
     "progress": "Progress",

@@ -18,7 +18,7 @@ from mptune.certify.rows import FIXED, PER_DUAL
 from mptune.certify.sampled import shifts_up_to
 from mptune.certify.search import PROVED
 from mptune.loops.broken import SAMPLED
-from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant
+from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant
 
 PEAKS = ("sensitivity_peak", "complementary_peak", "disk_margin")
 FIGURES = [

@@ -17,7 +17,7 @@ from mptune.loops.broken import SAMPLED, loop_around, position_loop, velocity_lo
 from mptune.loops.position import position_error
 from mptune.loops.sampled import coefficient_count, sampled_loop, sampled_plant
 from mptune.loops.velocity import nominal_velocity, true_velocity, velocity_error
-from mptune.params.pack import Plant
+from mptune.params.packed import Plant
 
 SINGULAR = 1e5  # a figure beyond it is taken for infinite
 _LOWEST = 1e-5  # rad/s: the limit of vanishing frequency is taken there

@@ -11,7 +11,7 @@ from mptune.loops.broken import FORCE, POSITION, SAMPLED, VELOCITY
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.certify.problem import BoxedLoop
-    from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant
+    from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant
 
 EQUATION_17, EQUATION_21, MIXTURE = 0, 1, 2
 

@@ -10,16 +10,8 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.loops.family import ranges_of
-from mptune.params.pack import (
-    NO_PATH,
-    LoopGains,
-    MeasurementPath,
-    NominalPlant,
-    Plants,
-    pack_filters,
-    pack_gains,
-    pack_nominal,
-)
+from mptune.params.pack import pack_filters, pack_gains, pack_nominal
+from mptune.params.packed import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray

@@ -35,7 +35,7 @@ import numpy as np
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.certify.form import Form
-    from mptune.params.pack import MeasurementPath
+    from mptune.params.packed import MeasurementPath
 
 _TAPS = 18 / 35  # Σ|taps| of Eq. 23, times T_S,fast
 MOST_SHIFTS = 100

@@ -32,7 +32,7 @@ if TYPE_CHECKING:
     from mptune.arrays import BoolArray, FloatArray
     from mptune.certify.form import Form
     from mptune.certify.problem import BoxedLoop
-    from mptune.params.pack import Plants
+    from mptune.params.packed import Plants
 
 BUDGET = 300_000  # boxes
 _LITTLE = 20_000

@@ -9,7 +9,7 @@ import numpy as np
 
 from mptune.figures.style import LIMIT, NOMINAL, WORST, band, legend_below, new_figure, style
 from mptune.loops.broken import POSITION, VELOCITY
-from mptune.params.pack import NO_PATH
+from mptune.params.packed import NO_PATH
 from mptune.robust.curves import loop_curves
 
 if TYPE_CHECKING:

@@ -8,7 +8,7 @@ import numpy as np
 
 from mptune.figures.style import EDGE, LIMIT, NOMINAL, WORST, legend_below, new_figure, style
 from mptune.loops.broken import FORCE, VELOCITY
-from mptune.params.pack import NO_PATH
+from mptune.params.packed import NO_PATH
 from mptune.robust.curves import loop_curves
 from mptune.robust.encirclements import encirclements
 
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from mptune.params.pack import Plants
+    from mptune.params.packed import Plants
     from mptune.robust.encirclements import Encirclements
     from mptune.robust.result import SweepResult
 

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from mptune.arrays import FloatArray
     from mptune.loops.family import FamilyLoops
-    from mptune.params.pack import LoopGains, Plants
+    from mptune.params.packed import LoopGains, Plants
     from mptune.robust.result import Condition, SweepResult
 
 _POINTS = 300

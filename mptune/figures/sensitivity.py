@@ -17,7 +17,7 @@ from mptune.figures.style import (
     style,
 )
 from mptune.loops.broken import FORCE, POSITION, VELOCITY
-from mptune.params.pack import NO_PATH
+from mptune.params.packed import NO_PATH
 from mptune.robust.curves import loop_curves
 from mptune.sim.response import load_step
 

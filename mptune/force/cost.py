@@ -16,7 +16,7 @@ from mptune.plant.flow import orifice
 
 if TYPE_CHECKING:
     from mptune.force.search_space import SearchSpace
-    from mptune.params.pack import ForceSettings
+    from mptune.params.packed import ForceSettings
 
 _OUT_OF_RANGE = 1e6  # N, penalty of a pressure outside its limits
 _CONVERTERS = 4

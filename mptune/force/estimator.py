@@ -11,7 +11,7 @@ from mptune.plant.bulk import effective_bulk_modulus
 from mptune.plant.flow import orifice
 
 if TYPE_CHECKING:
-    from mptune.params.pack import ForceSettings
+    from mptune.params.packed import ForceSettings
 
 STEPS = 4  # Heun steps in one sampling period
 SIDE_A, SIDE_B = 0, 1

@@ -18,7 +18,7 @@ from mptune.force.estimator import (
 
 if TYPE_CHECKING:
     from mptune.force.search_space import SearchSpace
-    from mptune.params.pack import ForceSettings
+    from mptune.params.packed import ForceSettings
 
 
 @kernel

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mptune.arrays import kernel
 
 if TYPE_CHECKING:
-    from mptune.params.pack import SignalSettings
+    from mptune.params.packed import SignalSettings
 
 
 @kernel

@@ -20,7 +20,7 @@ from mptune.signals.conditioning import median_of_three
 
 if TYPE_CHECKING:
     from mptune.force.search_space import SearchSpace
-    from mptune.params.pack import ForceSettings, Machine
+    from mptune.params.packed import ForceSettings, Machine
 
 STEPS = 4  # of the integration in one tick of T_S,fast
 

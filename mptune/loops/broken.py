@@ -30,7 +30,7 @@ from mptune.signals.conditioning import filter_response, median_response
 from mptune.signals.differentiator import differentiator_over_s
 
 if TYPE_CHECKING:
-    from mptune.params.pack import LoopGains, MeasurementPath, Plant
+    from mptune.params.packed import LoopGains, MeasurementPath, Plant
 
 VELOCITY, POSITION, FORCE, SAMPLED = 0, 1, 2, 3
 NAMES = ("velocity", "position", "force")

@@ -20,7 +20,7 @@ from mptune.arrays import (
 from mptune.loops.broken import FORCE, VELOCITY, loop_gain
 from mptune.loops.force_dynamics import force_dynamics, pressure_time_constant
 from mptune.loops.velocity import plant_at
-from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
+from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.plant.bulk import effective_bulk_modulus
 from mptune.signals.conditioning import filter_response
 from mptune.summary import Summarised

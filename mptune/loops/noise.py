@@ -17,7 +17,7 @@ from mptune.signals.differentiator import differentiator_over_s
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.params.pack import LoopGains, MeasurementPath
+    from mptune.params.packed import LoopGains, MeasurementPath
 
 _POINTS = 2000  # of the integral over frequency; its relative error is below 1e-5
 _LOWEST = 1e-5  # of half the sampling rate

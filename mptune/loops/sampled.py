@@ -30,7 +30,7 @@ from mptune.signals.tustin import discrete_response, discretise
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
-    from mptune.params.pack import LoopGains, MeasurementPath, Plant, Plants
+    from mptune.params.packed import LoopGains, MeasurementPath, Plant, Plants
 
 _UNIT_CIRCLE = 1e-9  # a multiplier nearer to the circle than this is undecided
 _QUARTIC = 4  # degree of the plant's denominator in w

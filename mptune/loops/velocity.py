@@ -8,10 +8,10 @@ import numpy as np
 
 from mptune.arrays import Complex, Real, kernel
 from mptune.loops.force_dynamics import force_dynamics
-from mptune.params.pack import Plant
+from mptune.params.packed import Plant
 
 if TYPE_CHECKING:
-    from mptune.params.pack import NominalPlant, Plants
+    from mptune.params.packed import NominalPlant, Plants
 
 
 @kernel

@@ -3,172 +3,25 @@
 from __future__ import annotations
 
 import math
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.summary import tuple_text
+from mptune.params.packed import (
+    NO_PATH,
+    FeedforwardTuple,
+    ForceSettings,
+    LoopGains,
+    Machine,
+    MeasurementPath,
+    NominalPlant,
+    SignalSettings,
+)
 
 if TYPE_CHECKING:
-    from mptune.arrays import BoolArray, FloatArray, IntArray
+    from mptune.arrays import FloatArray
     from mptune.params.controller import Controller, Feedforward, Gains
     from mptune.params.study import ResolvedStudy
-
-
-class Plant(NamedTuple):
-    """One plant of Eq. 15, in SI."""
-
-    mass: float  # kg, m
-    delay: float  # s, T_S/2 + d
-    tau_a: float  # s, τ_A
-    tau_b: float  # s, τ_B
-    share_a: float  # -, A_A/(A_A + A_B)
-
-
-class Plants(NamedTuple):
-    """A family of plants: the fields of ``Plant``, each ``(N,)``."""
-
-    mass: FloatArray
-    delay: FloatArray
-    tau_a: FloatArray
-    tau_b: FloatArray
-    share_a: FloatArray
-
-    @property
-    def number(self) -> int:
-        """N, the number of plants."""
-        return len(self.mass)
-
-    def picked(self, rows: IntArray | BoolArray) -> Plants:
-        """Return some of the plants: rows by their numbers, or by a mask."""
-        return Plants(*(np.ascontiguousarray(column[rows]) for column in self))
-
-    def followed_by(self, others: Plants) -> Plants:
-        """Return these plants and others behind them."""
-        return Plants(*(np.concatenate(pair) for pair in zip(self, others, strict=True)))
-
-    def __repr__(self) -> str:
-        """Return shape and range of each field."""
-        return tuple_text(self)
-
-
-class NominalPlant(NamedTuple):
-    """The nominal plant of Eq. 14."""
-
-    mass: float  # kg, m_min
-    delay: float  # s, T_S/2 + d_min
-
-
-class LoopGains(NamedTuple):
-    """The gains of Eq. 18 and Eq. 22."""
-
-    k_p_vel: float  # N s/m
-    k_p_pos: float  # 1/s
-    k_i_pos: float  # 1/s²
-    omega: float  # rad/s
-    xi: float  # -
-    tau: float  # s
-
-
-class MeasurementPath(NamedTuple):
-    """Median, position filter and Eq. 23; a sample time of 0 stands for no path at all."""
-
-    sample_time: float  # s, T_S,fast
-    filter_pole: float  # -, pole of the discrete first-order filter
-    filter_time: float  # s, its time constant
-
-
-class Machine(NamedTuple):
-    """One machine of Eq. 1 to Eq. 4, all in SI."""
-
-    area_a: float
-    area_b: float
-    stroke: float
-    dead_a: float  # V_0,A + V_h,A
-    dead_b: float
-    hose_a: float  # V_h,A
-    hose_b: float
-    oil: float  # B_oil
-    hose: float  # B_h
-    flow_coefficient: float
-    transition_pressure: float
-    mass: float
-    load: float  # F_load at the start position
-    load_stiffness: float
-    start: float
-    friction_coulomb: float
-    friction_static: float
-    friction_viscous: float
-    friction_velocity: float
-    low_pressure: float
-    pump_on: float
-    pump_off: float
-    pump_flow: float
-    relief_pressure: float
-    accumulator_volume: float
-    accumulator_precharge: float
-    accumulator_exponent: float
-    converter_area: float
-    converter_travel: float
-    converter_friction: float
-    line_inertance: float  # Pa s²/m³, of each hose as a line; 0 where it is part of its chamber
-    line_inertance_b: float
-    line_resistance: float  # Pa s/m³
-    line_resistance_b: float
-
-
-class ForceSettings(NamedTuple):
-    """What the force controller knows and wants, §2.2 and §2.3."""
-
-    area_a: float
-    area_b: float
-    stroke: float
-    dead_a: float
-    dead_b: float
-    hose_a: float
-    hose_b: float
-    oil: float  # B̂_oil
-    hose: float
-    flow_coefficient: float
-    transition_pressure: float
-    sampling_period: float
-    pressure_min: float
-    pressure_max: float
-    weight_switching: float
-    weight_loss: float
-    weight_converter: float
-    predicted_share: float  # of Eq. 7's Q_conv: 1 predicted, 0 present, 1/2 mean
-    delay_prediction: float
-
-
-class SignalSettings(NamedTuple):
-    """Filters, tolerances and noise, §5.2 and Table 2."""
-
-    sample_time: float
-    ticks: int  # fast samples in one sampling period
-    position_pole: float
-    pressure_pole: float
-    supply_pole: float
-    backlash: float
-    dead_zone: float
-    velocity_tolerance: float
-    stop_tolerance: float  # x_tol1
-    start_tolerance: float  # x_tol2
-    position_noise: float
-    pressure_noise: float
-    converter_noise: float
-
-
-class FeedforwardTuple(NamedTuple):
-    """Feed-forward beyond the velocity reference; poles at T_S,fast, 0 for none."""
-
-    acceleration_mass: float  # kg
-    reference_pole: float
-    velocity_reference_pole: float
-
-
-NO_PATH = MeasurementPath(0.0, 0.0, 0.0)
-NO_TABLE = np.zeros((0, 3))
 
 
 def pack_gains(gains: Gains) -> LoopGains:

@@ -15,7 +15,7 @@ from mptune.plant.piston import Burden, friction
 from mptune.plant.supplies import CONVERTERS, SUPPLIES, accumulator_pressure, port_pressure, share
 
 if TYPE_CHECKING:
-    from mptune.params.pack import Machine
+    from mptune.params.packed import Machine
 
 X, V, PRESSURE_A, PRESSURE_B, CONVERTER, OIL = 0, 1, 2, 3, 4, 8
 STATES = 9

@@ -10,7 +10,7 @@ import numpy as np
 from mptune.arrays import FloatArray, inlined_kernel, kernel
 
 if TYPE_CHECKING:
-    from mptune.params.pack import Machine
+    from mptune.params.packed import Machine
 
 _CREEP = 1e-4  # m/s: below it dry friction is proportional to velocity
 

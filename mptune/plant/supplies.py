@@ -14,7 +14,7 @@ from mptune.arrays import inlined_kernel, kernel
 from mptune.plant.flow import orifice, orifice_slope
 
 if TYPE_CHECKING:
-    from mptune.params.pack import Machine
+    from mptune.params.packed import Machine
 
 SUPPLIES = 6
 CONVERTERS = 4

@@ -13,7 +13,7 @@ from mptune.loops.velocity import plant_at
 if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray
     from mptune.loops.family import FamilyLoops
-    from mptune.params.pack import LoopGains, MeasurementPath
+    from mptune.params.packed import LoopGains, MeasurementPath
     from mptune.robust.measured import ForceResponse
 
 

@@ -22,7 +22,7 @@ from mptune.summary import Summarised
 if TYPE_CHECKING:
     from mptune.certify.problem import Point
     from mptune.certify.result import Bound, BoxStability, Bracket
-    from mptune.params.pack import LoopGains
+    from mptune.params.packed import LoopGains
     from mptune.params.requirements import RatioCurve
     from mptune.robust.model import LinearModel
 

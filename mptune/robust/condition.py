@@ -19,7 +19,7 @@ from mptune.summary import tuple_text
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
-    from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
+    from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant, Plants
     from mptune.robust.measured import Members
 
 

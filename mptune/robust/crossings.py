@@ -11,7 +11,7 @@ from mptune.loops.broken import SAMPLED, loop_around, loop_gain
 from mptune.loops.sampled import SampledPlant, sampled_loop
 
 if TYPE_CHECKING:
-    from mptune.params.pack import LoopGains, MeasurementPath, Plant
+    from mptune.params.packed import LoopGains, MeasurementPath, Plant
 
 _GOLDEN = (5**0.5 - 1) / 2
 _NEARLY = 0.4  # of the highest grid value: lower peaks are not refined

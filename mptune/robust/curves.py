@@ -14,7 +14,7 @@ from mptune.loops.velocity import plant_at, velocity_error
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
-    from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
+    from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant, Plants
 
 
 @parallel_kernel

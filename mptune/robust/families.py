@@ -16,7 +16,7 @@ from mptune.robust.margins import Margins, family_margins, sampled_margins
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, IntArray
     from mptune.params.controller import Gains
-    from mptune.params.pack import LoopGains, Plants
+    from mptune.params.packed import LoopGains, Plants
     from mptune.robust.model import LinearModel
 
 

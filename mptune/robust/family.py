@@ -14,7 +14,7 @@ from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray
-    from mptune.params.pack import Plants
+    from mptune.params.packed import Plants
     from mptune.robust.margins import Margins
 
 

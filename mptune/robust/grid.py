@@ -8,7 +8,7 @@ import numpy as np
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.params.pack import LoopGains, NominalPlant, Plants
+    from mptune.params.packed import LoopGains, NominalPlant, Plants
 
 FREQUENCIES = 400  # of the first grid
 _TAIL_RATIO = 0.05  # above the grid no left/right ratio can exceed this

@@ -21,13 +21,13 @@ from mptune.loops.sampled import (
     sampled_plant,
 )
 from mptune.loops.velocity import plant_at
-from mptune.params.pack import Plant
+from mptune.params.packed import Plant
 from mptune.robust.crossings import JudgedPlant, margins_of, note_factor
 from mptune.summary import tuple_text
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
-    from mptune.params.pack import LoopGains, MeasurementPath, Plants
+    from mptune.params.packed import LoopGains, MeasurementPath, Plants
 
 _BEYOND = 40  # frequencies that continue the grid
 _SHORTEST_DELAY = 1e-4  # s

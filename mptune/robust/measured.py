@@ -17,14 +17,14 @@ import numpy as np
 
 from mptune.loops.position import position_error
 from mptune.loops.velocity import error_of_factors
-from mptune.params.pack import Plants
+from mptune.params.packed import Plants
 from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mptune.arrays import BoolArray, ComplexArray, FloatArray
-    from mptune.params.pack import NominalPlant
+    from mptune.params.packed import NominalPlant
     from mptune.params.study import ResolvedStudy
 
 

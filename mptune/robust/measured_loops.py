@@ -24,7 +24,7 @@ from mptune.arrays import ComplexArray, FloatArray, frozen, kernel
 from mptune.loops.broken import loop_around
 from mptune.loops.family import FamilyLoops, nominal_plants
 from mptune.loops.stability import PoleCount, poles_of_turns
-from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant
+from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant
 from mptune.robust.margins import Margins, measured_margins
 
 if TYPE_CHECKING:

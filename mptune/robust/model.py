@@ -12,17 +12,8 @@ from mptune.errors import Fault, InputError
 from mptune.interop import frequency_response
 from mptune.loops.broken import FORCE, NAMES
 from mptune.loops.family import FamilyLoops, nominal_plants, plants_of
-from mptune.params.pack import (
-    NO_PATH,
-    LoopGains,
-    MeasurementPath,
-    NominalPlant,
-    Plants,
-    pack_filters,
-    pack_gains,
-    pack_nominal,
-    pack_path,
-)
+from mptune.params.pack import pack_filters, pack_gains, pack_nominal, pack_path
+from mptune.params.packed import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.robust.at_plant import loop_around_measured, loop_as_it_runs
 from mptune.robust.condition import Sides, nominal_loops, sides
 from mptune.robust.curves import loop_curves

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.params.pack import Plants
+from mptune.params.packed import Plants
 from mptune.robust.condition import sides
 
 if TYPE_CHECKING:

@@ -10,7 +10,7 @@ import numpy as np
 from mptune.summary import Summarised
 
 if TYPE_CHECKING:
-    from mptune.params.pack import Plants
+    from mptune.params.packed import Plants
 
 
 def finite(value: float) -> float | None:

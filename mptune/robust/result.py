@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
     from mptune.certify.result import Bound
     from mptune.params.controller import Gains
-    from mptune.params.pack import Plants
+    from mptune.params.packed import Plants
     from mptune.params.study import ResolvedStudy
     from mptune.robust.family import Family
     from mptune.robust.measured import Members

@@ -31,7 +31,7 @@ from mptune.robust.verdict import allowed_ratio, check_requirements
 if TYPE_CHECKING:
     from mptune.certify.result import Bound
     from mptune.params.controller import Gains
-    from mptune.params.pack import LoopGains
+    from mptune.params.packed import LoopGains
     from mptune.params.requirements import RatioCurve
     from mptune.params.study import ResolvedStudy
     from mptune.robust.family import Family

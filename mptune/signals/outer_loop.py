@@ -20,7 +20,7 @@ from mptune.arrays import FloatArray, kernel
 from mptune.signals.tustin import DiscreteController, discretise
 
 if TYPE_CHECKING:
-    from mptune.params.pack import FeedforwardTuple, LoopGains
+    from mptune.params.packed import FeedforwardTuple, LoopGains
 
 # Places in the loops' state, each in SI: what Eq. 22 carries on, lagged references, and F_ref.
 LAG_1, LAG_2, INTEGRAL, LAST_ERROR, REFERENCE, VELOCITY_REFERENCE, FORCE = range(7)

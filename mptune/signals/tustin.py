@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 from mptune.arrays import Complex, kernel
 
 if TYPE_CHECKING:
-    from mptune.params.pack import LoopGains
+    from mptune.params.packed import LoopGains
 
 
 class DiscreteController(NamedTuple):

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import numpy as np
 
     from mptune.force.search_space import SearchSpace
-    from mptune.params.pack import (
+    from mptune.params.packed import (
         FeedforwardTuple,
         ForceSettings,
         LoopGains,

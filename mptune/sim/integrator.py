@@ -31,7 +31,7 @@ from mptune.plant.valve import ValveState, advance, open_valves, quiet
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mptune.params.pack import Machine
+    from mptune.params.packed import Machine
     from mptune.plant.piston import Burden
 
 SUBSTEPS, CALM_SUBSTEPS = 5, 2  # of the machine's integration in one tick of 0.5 ms

@@ -9,7 +9,7 @@ from mptune.sim.lag import Fade, fade_of, held_lag_end, lag_end, lagged
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.params.pack import Plant
+    from mptune.params.packed import Plant
     from mptune.sim.lag import Cubic
 
 

@@ -12,7 +12,7 @@ from mptune.sim.record import BrokenLimit, Energies, RunRecord
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.params.pack import Machine
+    from mptune.params.packed import Machine
     from mptune.sim.moves import Moves
 
 _CONVERTERS = slice(loop.CONVERTER_1, loop.CONVERTER_1 + 4)

@@ -17,7 +17,7 @@ import numpy as np
 
 from mptune.arrays import FloatArray, kernel, parallel_kernel
 from mptune.loops.velocity import plant_at
-from mptune.params.pack import LoopGains
+from mptune.params.packed import LoopGains
 from mptune.signals.differentiator import DIVISOR, WEIGHTS
 from mptune.signals.trajectory import reference
 from mptune.sim.lag import Cubic, fade_of, hermite, integral, lag_end, lagged, value_and_slope
@@ -25,7 +25,7 @@ from mptune.sim.linear_machine import push, stride_of
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
-    from mptune.params.pack import MeasurementPath, Plant, Plants
+    from mptune.params.packed import MeasurementPath, Plant, Plants
     from mptune.sim.lag import Fade
 
 _LONGEST_STEP = 5e-4  # s; and no longer than a sample of the measurement path

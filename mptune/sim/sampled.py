@@ -16,7 +16,8 @@ import numpy as np
 from mptune.arrays import FloatArray, frozen, kernel
 from mptune.interop import Drawn
 from mptune.loops.family import time_constants_at
-from mptune.params.pack import Plant, pack_feedforward, pack_filters, pack_gains
+from mptune.params.pack import pack_feedforward, pack_filters, pack_gains
+from mptune.params.packed import Plant
 from mptune.signals.differentiator import WEIGHTS, differentiated, remember
 from mptune.signals.outer_loop import (
     FORCE,
@@ -39,7 +40,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from mptune.params.controller import Feedforward, Gains
-    from mptune.params.pack import FeedforwardTuple, LoopGains, MeasurementPath
+    from mptune.params.packed import FeedforwardTuple, LoopGains, MeasurementPath
     from mptune.params.study import ResolvedStudy
 
 _DIVERGED = 20.0  # times the longest move

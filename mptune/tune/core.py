@@ -21,7 +21,7 @@ from mptune.loops.family import nominal_plants
 from mptune.loops.sampled import coefficient_count, measured_parts, sampled_plant
 from mptune.loops.stability import count_unstable_poles
 from mptune.loops.velocity import plant_at, true_velocity
-from mptune.params.pack import LoopGains
+from mptune.params.packed import LoopGains
 from mptune.robust.condition import nominal_loops
 from mptune.robust.grid import frequency_range
 from mptune.robust.sweep import CONVERGED
@@ -45,7 +45,7 @@ from mptune.tune.position_limits import damping_limits, frequency_limits
 
 if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray, IntArray
-    from mptune.params.pack import MeasurementPath, Plants
+    from mptune.params.packed import MeasurementPath, Plants
     from mptune.robust.model import LinearModel
     from mptune.shape.problem import Between, Requirement
 

@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mptune.arrays import FloatArray, IntArray
-    from mptune.params.pack import LoopGains
+    from mptune.params.packed import LoopGains
     from mptune.robust.model import LinearModel
     from mptune.robust.place import PlantPoint
 

@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.loops.family import FamilyLoops
-from mptune.params.pack import LoopGains, Plant, Plants, pack_feedforward
+from mptune.params.pack import pack_feedforward
+from mptune.params.packed import LoopGains, Plant, Plants
 from mptune.robust.condition import nominal_loops
 from mptune.sim.moves import distinct_moves
 from mptune.sim.response import load_step, tracking

@@ -22,7 +22,7 @@ import numpy as np
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.params.controller import Feedforward
-    from mptune.params.pack import LoopGains
+    from mptune.params.packed import LoopGains
     from mptune.params.section import Range
     from mptune.robust.model import LinearModel
 

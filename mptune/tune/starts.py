@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from mptune.arrays import FloatArray
     from mptune.params.controller import Feedforward
-    from mptune.params.pack import LoopGains
+    from mptune.params.packed import LoopGains
     from mptune.robust.model import LinearModel
     from mptune.tune.space import Space
 

@@ -20,7 +20,7 @@ from mptune.tune.space import Choice
 from mptune.tune.velocity import largest_velocity_gain
 
 if TYPE_CHECKING:
-    from mptune.params.pack import LoopGains
+    from mptune.params.packed import LoopGains
     from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress

@@ -15,7 +15,7 @@ from mptune.robust.verdict import allowed_ratio
 
 if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray
-    from mptune.params.pack import MeasurementPath, NominalPlant
+    from mptune.params.packed import MeasurementPath, NominalPlant
     from mptune.robust.model import LinearModel
 
 _ROUNDS = 6  # of refinement about the limiting frequency, a factor of four each

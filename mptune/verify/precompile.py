@@ -14,7 +14,8 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from mptune.arrays import is_compiled
+from mptune.kernel_cache import is_compiled
+from mptune.sim.closed_loop import run_ticks
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -29,7 +30,7 @@ def precompiling() -> Iterator[Callable[[], None]]:
     Whatever becomes of the other process, nothing is lost but time: what it has not compiled is
     compiled here when it is needed.
     """
-    if is_compiled("run_ticks"):
+    if is_compiled(run_ticks):
         yield lambda: None
         return
     command = [sys.executable, "-m", "mptune.verify.precompile"]

@@ -34,7 +34,7 @@ from mptune.verify.result import CaseResult, CaseStatus, VerifyResult
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.params.controller import Feedforward, Gains
-    from mptune.params.pack import (
+    from mptune.params.packed import (
         FeedforwardTuple,
         ForceSettings,
         LoopGains,

@@ -15,7 +15,8 @@ from mptune.force.cost import supply_pressures
 from mptune.force.search_space import search_space
 from mptune.force.select import decide
 from mptune.params.load import load_study
-from mptune.params.pack import NO_TABLE, pack_force, pack_gains, pack_machine
+from mptune.params.pack import pack_force, pack_gains, pack_machine
+from mptune.params.packed import NO_TABLE
 from mptune.plant import machine as plant
 from mptune.plant.piston import burden_at
 from mptune.plant.valve import open_valves

@@ -5,7 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mptune.loops.family import FamilyLoops
-from mptune.params.pack import NO_PATH, Plants, pack_gains
+from mptune.params.pack import pack_gains
+from mptune.params.packed import NO_PATH, Plants
 from mptune.params.paper import PUBLISHED_GAINS
 from mptune.sim.response import position_step, velocity_step
 

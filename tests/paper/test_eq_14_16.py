@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mptune.loops.velocity import nominal_velocity, true_velocity, velocity_error
-from mptune.params.pack import NominalPlant, Plant
+from mptune.params.packed import NominalPlant, Plant
 
 NOMINAL = NominalPlant(mass=24500.0, delay=0.011)
 SAME = Plant(mass=24500.0, delay=0.011, tau_a=0.0, tau_b=0.0, share_a=0.57)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mptune.params.pack import Plants
+from mptune.params.packed import Plants
 from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
 

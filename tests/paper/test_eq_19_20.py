@@ -7,7 +7,7 @@ import pytest
 
 from mptune.loops.position import closed_velocity, position_error
 from mptune.loops.velocity import nominal_velocity
-from mptune.params.pack import NominalPlant
+from mptune.params.packed import NominalPlant
 
 
 def test_the_closed_velocity_loop_is_an_integrator_at_low_frequency():

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from mptune.loops.family import FamilyLoops, plants_of
-from mptune.params.pack import NO_PATH, pack_gains
+from mptune.params.pack import pack_gains
+from mptune.params.packed import NO_PATH
 from mptune.sim.response import position_step, velocity_step
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
@@ -37,7 +38,8 @@ def test_nothing_moves_before_the_dead_time_is_over(load_boom):
 
 def test_worst_plant_with_measurement_path_grows_as_its_encirclement_count_says(load_boom):
     """The plant that the count with path calls unstable does grow in time, and others do not."""
-    from mptune.params.pack import Plants, pack_filters
+    from mptune.params.pack import pack_filters
+    from mptune.params.packed import Plants
 
     study = load_boom()
     path = pack_filters(study.study.controller)

@@ -7,7 +7,7 @@ import pytest
 
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import Plants
+from mptune.params.packed import Plants
 from mptune.robust.margins import family_margins
 from mptune.robust.model import PATHS, LinearModel
 

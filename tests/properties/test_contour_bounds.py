@@ -14,7 +14,7 @@ from hypothesis import strategies as st
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.family import FamilyLoops
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, Plants
+from mptune.params.packed import NO_PATH, LoopGains, MeasurementPath, Plants
 
 FILTERS = MeasurementPath(0.0005, float(np.exp(-0.0005 / 0.012)), 0.012)
 PUBLISHED = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)

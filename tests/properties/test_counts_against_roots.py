@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mptune.loops.broken import FORCE, VELOCITY, loop_gain
 from mptune.loops.family import FamilyLoops
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, Plant, Plants
+from mptune.params.packed import NO_PATH, LoopGains, MeasurementPath, Plant, Plants
 
 SHARE_A = 4 / 7
 FILTERS = MeasurementPath(0.0005, float(np.exp(-0.0005 / 0.012)), 0.012)

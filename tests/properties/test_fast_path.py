@@ -21,7 +21,7 @@ from mptune.loops.family import FamilyLoops
 from mptune.loops.force_dynamics import force_dynamics
 from mptune.loops.position import position_controller, position_error
 from mptune.loops.velocity import nominal_velocity, true_velocity, velocity_error
-from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plant, Plants
+from mptune.params.packed import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plant, Plants
 from mptune.robust.condition import sides
 
 TOLERANCE = 1e-9

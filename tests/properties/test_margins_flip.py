@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from mptune.loops.broken import FORCE, POSITION, VELOCITY
 from mptune.loops.family import FamilyLoops
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
+from mptune.params.packed import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.margins import family_margins
 

@@ -3,15 +3,12 @@
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
-from pathlib import Path
 
 import numpy as np
 import pytest
 
-from mptune import arrays
 from mptune.arrays import frozen
 
 
@@ -40,26 +37,3 @@ def test_kernels_work_where_no_cache_can_be_written(tmp_path):
     )
     expected = 13 * (-1 / 42**2 + 2j * 0.55 / 42 + 1) / (0.006j + 1) ** 2 - 22j
     assert complex(done.stdout) == pytest.approx(expected, rel=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("changed", "recompiles"),
-    [
-        ("loops/force_dynamics.py", True),  # a kernel
-        ("params/pack.py", True),  # tuples that kernels take
-        ("params/controller.py", True),  # what those are made from
-        ("cli/show.py", False),
-        ("report/pdf.py", False),
-    ],
-)
-def test_kernels_are_compiled_anew_where_what_they_are_made_of_changes(
-    tmp_path, changed, recompiles
-):
-    package = tmp_path / "mptune"
-    shutil.copytree(Path(arrays.__file__).parent, package)
-    hash_of = arrays.source_hash.__wrapped__
-    before = hash_of(package)
-    assert before == arrays.source_hash()
-    with (package / changed).open("a", encoding="utf-8") as file:
-        file.write("# changed\n")
-    assert (hash_of(package) != before) == recompiles

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mptune.certify.problem import PlantBox, edges_of
-from mptune.params.pack import NominalPlant
+from mptune.params.packed import NominalPlant
 
 SIDES = {"mass": (20e3, 40e3), "delay": (0.01, 0.02), "tau_a": (0.001, 0.01), "tau_b": (0.0, 0.02)}
 

@@ -8,7 +8,7 @@ import pytest
 from mptune.loops.broken import FORCE, POSITION, VELOCITY
 from mptune.loops.family import FamilyLoops, nominal_plants, plants_of
 from mptune.loops.velocity import nominal_velocity, plant_at, true_velocity
-from mptune.params.pack import NO_PATH, LoopGains, NominalPlant, Plants
+from mptune.params.packed import NO_PATH, LoopGains, NominalPlant, Plants
 
 GAINS = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)
 ONE = Plants(*(np.array([value]) for value in (24500.0, 0.011, 0.01, 0.01, 0.57)))

@@ -12,7 +12,7 @@ from scipy.integrate import quad
 from scipy.signal import cont2discrete, lfilter
 
 from mptune.loops.noise import noise_gain
-from mptune.params.pack import LoopGains, MeasurementPath
+from mptune.params.packed import LoopGains, MeasurementPath
 
 GAINS = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)
 TAPS = np.array([5, 3, 1, -1, -3, -5]) / 35

@@ -23,7 +23,7 @@ from mptune.loops.sampled import (
     sampled_plant,
     stable_as_sampled,
 )
-from mptune.params.pack import FeedforwardTuple, LoopGains, MeasurementPath, Plant, Plants
+from mptune.params.packed import FeedforwardTuple, LoopGains, MeasurementPath, Plant, Plants
 from mptune.signals.trajectory import quintic
 from mptune.sim.sampled import run_linear
 

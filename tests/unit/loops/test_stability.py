@@ -10,7 +10,7 @@ import pytest
 from mptune.loops.broken import VELOCITY
 from mptune.loops.family import FamilyLoops
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import NO_PATH, LoopGains, Plants
+from mptune.params.packed import NO_PATH, LoopGains, Plants
 
 
 def integrator_with_dead_time(gain, mass, delay):

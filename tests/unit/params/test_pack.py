@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from mptune.params.pack import ForceSettings, Machine, pack_force, pack_machine
+from mptune.params.pack import pack_force, pack_machine
+from mptune.params.packed import ForceSettings, Machine
 
 SHARED = set(ForceSettings._fields) & set(Machine._fields)
 

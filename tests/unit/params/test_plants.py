@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from mptune.params.pack import Plant, Plants
+from mptune.params.packed import Plant, Plants
 
 FEW = (
     Plant(24500.0, 0.011, 0.0, 0.0, 0.5),

@@ -5,7 +5,8 @@ import pytest
 
 from mptune.errors import InputError
 from mptune.params.load import load_study
-from mptune.params.pack import NO_TABLE, pack_machine, pack_table
+from mptune.params.pack import pack_machine, pack_table
+from mptune.params.packed import NO_TABLE
 from mptune.plant import machine as plant
 from mptune.plant.piston import burden_at
 

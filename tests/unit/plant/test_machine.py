@@ -7,7 +7,8 @@ from hypothesis import strategies as st
 from scipy.integrate import solve_ivp
 
 from mptune.force.search_space import search_space
-from mptune.params.pack import NO_TABLE, pack_gains, pack_machine
+from mptune.params.pack import pack_gains, pack_machine
+from mptune.params.packed import NO_TABLE
 from mptune.plant import machine as plant
 from mptune.plant.piston import burden_at
 from mptune.plant.supplies import accumulator_pressure, oil_at_pressure

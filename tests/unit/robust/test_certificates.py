@@ -9,7 +9,7 @@ import pytest
 
 from mptune.certify.result import Grounds, Stability
 from mptune.loops.family import ranges_of
-from mptune.params.pack import Plants
+from mptune.params.packed import Plants
 from mptune.robust.certificates import against, radii_of
 from mptune.robust.condition import sides
 from mptune.robust.model import LinearModel

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mptune.loops.family import FamilyLoops
-from mptune.params.pack import NO_PATH, LoopGains, NominalPlant, Plants
+from mptune.params.packed import NO_PATH, LoopGains, NominalPlant, Plants
 from mptune.robust.condition import sides
 
 GAINS = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)

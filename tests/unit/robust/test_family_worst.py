@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mptune.loops.broken import FORCE
-from mptune.params.pack import Plants
+from mptune.params.packed import Plants
 from mptune.robust.family import Family
 from mptune.robust.margins import Margins
 

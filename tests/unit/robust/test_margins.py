@@ -7,7 +7,7 @@ import pytest
 
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.family import FamilyLoops
-from mptune.params.pack import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
+from mptune.params.packed import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.margins import family_margins
 

@@ -10,7 +10,8 @@ from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.family import FamilyLoops
 from mptune.loops.force_dynamics import force_dynamics
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import NO_PATH, LoopGains, NominalPlant, Plants, pack_filters
+from mptune.params.pack import pack_filters
+from mptune.params.packed import NO_PATH, LoopGains, NominalPlant, Plants
 from mptune.robust.condition import sides
 from mptune.robust.margins import family_margins
 from mptune.robust.measured import ForceResponse, Members

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mptune.loops.broken import FORCE, VELOCITY
-from mptune.params.pack import NO_PATH, LoopGains
+from mptune.params.packed import NO_PATH, LoopGains
 from mptune.robust.measured import ForceResponse, Members
 from mptune.robust.measured_loops import count_members
 

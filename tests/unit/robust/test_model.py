@@ -7,7 +7,7 @@ import pytest
 
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.family import plants_of
-from mptune.params.pack import NO_PATH, LoopGains, NominalPlant
+from mptune.params.packed import NO_PATH, LoopGains, NominalPlant
 from mptune.robust.condition import sides
 from mptune.robust.model import PATHS, LinearModel
 

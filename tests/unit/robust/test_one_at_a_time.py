@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from mptune.loops.velocity import nominal_velocity, true_velocity
-from mptune.params.pack import Plant
+from mptune.params.packed import Plant
 from mptune.robust.one_at_a_time import PARAMETERS, one_at_a_time
 from mptune.robust.sweep import sweep
 

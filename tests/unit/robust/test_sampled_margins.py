@@ -18,7 +18,7 @@ from mptune.loops.sampled import (
     stable_as_sampled,
 )
 from mptune.params.load import load_study
-from mptune.params.pack import LoopGains, MeasurementPath, Plant, Plants
+from mptune.params.packed import LoopGains, MeasurementPath, Plant, Plants
 from mptune.robust.grid import first_grid
 from mptune.robust.margins import sampled_margins
 from mptune.robust.result import Status

@@ -15,7 +15,7 @@ import json
 import numpy as np
 from mptune.loops.family import FamilyLoops
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import LoopGains, MeasurementPath, NominalPlant, Plants
+from mptune.params.packed import (LoopGains, MeasurementPath, NominalPlant, Plants)
 from mptune.robust.condition import sides
 from mptune.robust.margins import family_margins
 

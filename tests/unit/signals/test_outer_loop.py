@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import cont2discrete, dlsim, dlti
 
-from mptune.params.pack import FeedforwardTuple, LoopGains
+from mptune.params.packed import FeedforwardTuple, LoopGains
 from mptune.signals import outer_loop as outer
 
 GAINS = LoopGains(7e5, 13.0, 22.0, 42.0, 0.55, 0.006)

@@ -5,7 +5,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import cont2discrete, dlsim, dlti
 
-from mptune.params.pack import LoopGains
+from mptune.params.packed import LoopGains
 from mptune.signals.tustin import discrete_response, discretise
 
 gains = st.builds(

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from mptune.params.pack import Plant
+from mptune.params.packed import Plant
 from mptune.sim.lag import (
     Cubic,
     fade_of,

@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from mptune.loops.family import FamilyLoops
-from mptune.params.pack import NO_PATH, LoopGains, Plants, pack_filters
+from mptune.params.pack import pack_filters
+from mptune.params.packed import NO_PATH, LoopGains, Plants
 from mptune.sim.response import load_step, position_step
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes

@@ -7,7 +7,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from mptune.params.controller import Feedforward
-from mptune.params.pack import FeedforwardTuple, Plant, pack_filters, pack_gains
+from mptune.params.pack import pack_filters, pack_gains
+from mptune.params.packed import FeedforwardTuple, Plant
 from mptune.signals.trajectory import quintic
 from mptune.sim.sampled import linear_moves, run_linear
 

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from mptune.params.pack import Plants
+from mptune.params.packed import Plants
 from mptune.robust.model import LinearModel
 from mptune.robust.sweep import sweep
 from mptune.tune.excesses import Excesses

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from mptune.loops.stability import count_unstable_poles
-from mptune.params.pack import LoopGains
+from mptune.params.packed import LoopGains
 from mptune.robust.grid import frequency_range
 from mptune.robust.model import LinearModel
 from mptune.robust.sweep import sweep

@@ -5,7 +5,6 @@ import time
 
 import pytest
 
-from mptune import arrays
 from mptune.verify import precompile
 
 pytestmark = pytest.mark.compiled  # interpreted, there is nothing to compile
@@ -42,14 +41,3 @@ def test_waiting_has_an_end(monkeypatch):
     monkeypatch.setattr(precompile, "_MOST", 0.01)
     with precompile.precompiling() as ready:
         ready()
-
-
-def test_a_kernel_is_known_by_its_file(monkeypatch, tmp_path):
-    monkeypatch.setattr(arrays, "_cache_folder", lambda: str(tmp_path))
-    assert not arrays.is_compiled("run_ticks")
-    (tmp_path / "sim_1").mkdir()
-    (tmp_path / "sim_1" / "closed_loop.run_ticks-143.py311.nbi").touch()
-    assert arrays.is_compiled("run_ticks")
-    assert not arrays.is_compiled("ticks")
-    monkeypatch.setattr(arrays, "_cache_folder", lambda: None)
-    assert arrays.is_compiled("anything")  # there is no cache to fill
