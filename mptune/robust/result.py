@@ -253,7 +253,7 @@ class SweepResult(Summarised, Drawn, Labelled):
             return found[path]
         rule, remedy = "is no measurement path", f"one of {', '.join(found)}"
         if path == "sampled":
-            least, half = self.plants.delay.min(), self.model.period / 2
+            least, half = self.model.explicit.delay.min(), self.model.period / 2
             rule = (
                 f"has no hold to run with: the least total delay, {least:g} s, is below {half:g} s"
             )

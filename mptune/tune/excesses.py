@@ -66,7 +66,8 @@ class Excess(NamedTuple):
         """Return the place; None for requirements that know no plant."""
         if self.plant < 0:
             return None
-        return model.point(self.plant, self.frequency)
+        as_it_runs = self.requirement in SAMPLED
+        return model.point(self.plant, self.frequency, as_it_runs=as_it_runs)
 
 
 class Excesses:
@@ -212,7 +213,7 @@ class Excesses:
         if not self._of_sampled:
             return []
         model = self._model
-        loops = model.as_it_runs(gains, model.plants.picked(rows))
+        loops = model.as_it_runs(gains, model.explicit.picked(rows))
         stable = stable_as_sampled(loops, model.period)[0]
         margins = sampled_margins(self._coarse, loops, model.period)
         found = []

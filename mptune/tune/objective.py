@@ -106,7 +106,8 @@ class Judge:
         time, and the measurement path of the study's model; the sampled one is the loop as it
         runs, feed-forward included.
         """
-        plants = self._model.plants.picked(self._tracking if rows is None else rows)
+        family = self._model.explicit if self._sampled else self._model.plants
+        plants = family.picked(self._tracking if rows is None else rows)
         found = _as_sampled if self._sampled else _continuous
         peaks = [found(self._model, plants, choice, move) for move in self._moves]
         return np.asarray(np.stack(peaks, axis=1))

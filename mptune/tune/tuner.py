@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -13,6 +12,7 @@ from mptune.progress import silent
 from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
+from mptune.tune.excesses import SAMPLED
 from mptune.tune.objective import Judge
 from mptune.tune.result import Blocking, TuneResult, TuneStatus
 from mptune.tune.search import GainSearch, Searched, nothing
@@ -152,10 +152,10 @@ class Tuner:
             at = check.at
             known = True
             if at is not None and at.response is None and np.isfinite(at.delay_s):
-                one, family = self._model.plant(at), self._model.plants
-                known = bool(np.all([a == b[0] for a, b in zip(family, one, strict=True)], 0).any())
+                as_it_runs = check.key in SAMPLED
+                known = self._model.holds(at, as_it_runs=as_it_runs)
                 if not known:
-                    self._model = replace(self._model, plants=family.followed_by(one))
+                    self._model = self._model.joined_by(at, as_it_runs=as_it_runs)
             if known:
                 over = missed_by(self._model, check)
                 self._hand[check.key] = self._hand.get(check.key, 0.0) + over

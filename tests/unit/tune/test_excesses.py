@@ -74,7 +74,9 @@ def test_a_plant_that_is_worse_inside_the_box_is_found_and_added(load_boom):
     corners = len(model.plants.mass)
     planted = (30e3, 0.019, 0.02, 0.02, model.plants.share_a[0])
     one = Plants(*(np.array([value]) for value in planted))
-    worse = replace(model, plants=model.plants.followed_by(one))
+    worse = replace(
+        model, lumped=model.lumped.followed_by(one), explicit=model.explicit.followed_by(one)
+    )
     required = Excesses(worse, worse.gains)
     required._true = required._sampled = np.arange(4)
     before = required.of(worse.gains)

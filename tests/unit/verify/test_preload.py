@@ -52,4 +52,6 @@ def test_a_proportional_controller_stands_off_by_the_load_over_its_stiffness(loa
     stiffness = gains.k_p_vel * gains.k_p_pos
     print(f"error at the rests {np.round(1e3 * error[ends], 3)} mm")
     assert load.force / stiffness == pytest.approx(1.066e-3, abs=1e-6)
-    assert error[ends] == pytest.approx(load.force / stiffness, abs=load.friction_static / stiffness)
+    assert error[ends] == pytest.approx(
+        load.force / stiffness, abs=load.friction_static / stiffness
+    )
