@@ -257,7 +257,10 @@ class SweepResult(Summarised, Drawn, Labelled):
             rule = (
                 f"has no hold to run with: the least total delay, {least:g} s, is below {half:g} s"
             )
-            remedy = f"raise uncertainty.delay, which holds half a sampling period, or ask {remedy}"
+            remedy = (
+                "raise uncertainty.delay_as_it_runs, which holds half a sampling period, or ask "
+                f"{remedy}"
+            )
         raise InputError(f"sweep of {self.study.name}", Fault("path", repr(path), rule, remedy))
 
     def to_control(

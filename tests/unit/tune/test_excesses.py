@@ -140,7 +140,9 @@ def test_excesses_are_smooth_enough_for_differences(study):
 
 
 def test_short_delays_leave_no_sampled_loop_to_ask(load_boom):
-    model = LinearModel.of(load_boom(*ASKED, 'uncertainty.delay=["3 ms", "14 ms"]', corners=True))
+    model = LinearModel.of(
+        load_boom(*ASKED, 'uncertainty.delay_as_it_runs=["3 ms", "14 ms"]', corners=True)
+    )
     names = Excesses(model, model.gains).names
     assert "gain_margin" not in names
     assert "sensitivity_peak" in names
