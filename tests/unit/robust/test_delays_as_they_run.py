@@ -7,7 +7,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mptune.certify.bounds import bound
+from mptune.certify.margins import margin
 from mptune.certify.problem import BoxedLoop
+from mptune.certify.radius import radius
 from mptune.certify.result import Stability
 from mptune.certify.stability import box_stability
 from mptune.loops.broken import FORCE
@@ -85,6 +88,7 @@ def test_a_plant_that_joins_has_both_its_delays(model):
     assert model.plant(replace(at, delay_s=LUMPED[1]), as_it_runs=True).delay[0] == EXPLICIT[1]
 
 
+@pytest.mark.compiled
 def test_the_published_gains_are_stable_as_they_run_over_fig_5(load_boom):
     """Factor 1.24 as it runs; with Fig. 5's delays counted there as well, 0.87."""
     result = sweep(load_boom(corners=True))
@@ -109,6 +113,7 @@ def test_the_published_gains_are_stable_as_they_run_over_fig_5(load_boom):
         assert link.at.delay_s == LUMPED[1]
 
 
+@pytest.mark.compiled
 def test_counted_twice_some_plants_are_unstable(load_boom):
     result = sweep(load_boom(corners=True, twice=True))
     assert other_reading(result) == ()
@@ -127,8 +132,20 @@ def test_certificates_take_the_box_of_their_path(load_boom):
         assert along.box.delay == EXPLICIT
         assert along.box.nominal.delay == EXPLICIT[0]
         assert along.along(path) == along
-        assert box_stability(problem, path).status is Stability.STABLE
     assert BoxedLoop.of(load_boom(uncertainty="section-5-1")).explicit is None
+
+
+@pytest.mark.compiled
+def test_stability_peaks_margins_and_radius_are_those_of_that_box(load_boom):
+    """As over §5.1's box, of which a growing box keeps the nominal delay too."""
+    both, alone = (BoxedLoop.of(load_boom(uncertainty=name)) for name in ("", "section-5-1"))
+    assert box_stability(both, "sampled") == box_stability(alone, "sampled")
+    for figure in ("sensitivity_peak", "disk_margin"):
+        asked = ("force_reference", "sampled", figure)
+        assert bound(both, *asked) == bound(alone, *asked)
+    assert margin(both, "sampled", "gain_margin") == margin(alone, "sampled", "gain_margin")
+    assert radius(both, "sampled") == radius(alone, "sampled")
+    assert radius(both, "none").upper < radius(alone, "none").lower
 
 
 def test_one_range_for_both_is_the_study_of_before(load_boom):
