@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import Complex, ComplexArray, FloatArray, kernel
-from mptune.loops.running import runs_stable, sampled_at
+from mptune.loops.running import running_family, runs_stable, sampled_at
 from mptune.loops.sampled import sampled_loop
 from mptune.signals.tustin import discrete_response, discretise
 
 if TYPE_CHECKING:
+    from mptune.loops.family import FamilyLoops
     from mptune.loops.running import RunningFamily
     from mptune.loops.sampled import SampledPlant
     from mptune.params.packed import LoopGains
@@ -25,6 +26,7 @@ if TYPE_CHECKING:
 _SENSITIVITY, _DISK, _COMPLIANCE = 0, 1, 2
 _NEARLY = 0.7  # of the highest grid value: lower peaks are not refined
 _PARABOLAS, _SECANTS = 4, 12
+_BLOCK = 2000  # plants whose responses are kept at a time
 _STABLE, _GAIN, _PHASE, _DELAY, _COLUMNS = 6, 7, 9, 11, 13
 
 
@@ -44,6 +46,26 @@ class RunningFigures(NamedTuple):
     phase_frequency: FloatArray
     delay_margin: FloatArray  # s, min φ/ω, as if every alias turned alike; negative where unstable
     delay_frequency: FloatArray
+
+
+def family_figures(loops: FamilyLoops, period: float, low: float) -> RunningFigures:
+    """Return the figures of every plant of a family that is asked once.
+
+    Parameters
+    ----------
+    loops
+        The plants, the gains, and the measurement path as it runs.
+    period
+        T_S [s].
+    low
+        The lowest frequency [rad/s].
+    """
+    plants, parts = loops.plants, []
+    for first in range(0, plants.number, _BLOCK):
+        some = plants.picked(np.arange(first, min(first + _BLOCK, plants.number)))
+        family = running_family(low, some, loops.path, period)
+        parts.append(_figures(family, loops.gains))
+    return RunningFigures(*np.concatenate(parts).T)
 
 
 def running_figures(family: RunningFamily, gains: LoopGains) -> RunningFigures:

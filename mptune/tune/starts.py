@@ -46,6 +46,9 @@ def first_points(
         for share in _SMALLER:
             yield _scaled(space, own, share)
         return
+    if kind == "robustness":  # no convex core stands in for a disk margin
+        yield from _scattered(space, space.point(own))
+        return
     limits = space.limits()
     low, high = np.log(limits["tau"])
     for part in _VELOCITY_SHARES if space.crowded else (1.0,):

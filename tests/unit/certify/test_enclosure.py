@@ -42,7 +42,7 @@ def evaluate(form, curve, centre, half, num, den):
     slopes, spreads = np.empty(SIDES), np.empty(SIDES)
     coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], row)
     plant = plant_over(row, shifts, form.share_a, centre, half)
-    found = enclose(plant, row, len(shifts), num, den, centre, half, slopes, spreads)
+    found = enclose(plant, row, len(shifts), num, den, centre, half, slopes, spreads, False)
     clear = clearance(plant, row, len(shifts), centre, half)
     return found, slopes, spreads, clear
 
