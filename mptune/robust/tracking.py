@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -48,12 +49,15 @@ def family_tracking(
     FloatArray
         ``(n, M, BINS)``; the index is the largest of it.
     """
-    plants = model.plants if rows is None else model.plants.picked(rows)
+    every = np.arange(model.plants.number)
+    picked = every if rows is None else rows
     if model.study.study.objective.tracking_loop == "sampled":
-        loops = model.as_it_runs(gains, plants)
+        loops = model.as_it_runs(gains)
+        loops = replace(loops, plants=loops.plants.picked(picked))
         ahead = pack_feedforward(feedforward, model.filters.sample_time)
         peaks = [tracking_peaks(loops, model.period, move, ahead, BINS) for move in model.moves]
     else:
+        plants = model.plants.picked(picked)
         peaks = [_continuous(model, plants, gains, move) for move in model.moves]
     return np.asarray(np.stack(peaks, axis=1))
 
