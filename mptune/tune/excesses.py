@@ -289,7 +289,8 @@ def _over(name: str, limit: float, found: RunningFigures) -> tuple[FloatArray, F
         return np.log(limit / np.clip(found.gain_margin, 1e-3, 1e3)), found.gain_frequency
     if name in {"disk_margin", "phase_margin", "delay_margin"}:
         frequency = getattr(found, name.replace("margin", "frequency"))
-        return 1 - getattr(found, name) / limit, frequency
+        over = np.clip(1 - getattr(found, name) / limit, _FARTHEST, _UNSTABLE)
+        return over, frequency
     if name == "peak_compliance":
         over, at = np.log(found.peak_compliance / limit), found.compliance_frequency
     else:
