@@ -75,10 +75,12 @@ def load_study(
     if impossible:
         raise layers.refusal(*impossible)
     half = study.controller.sampling_period / 2
-    if study.objective.tracking_loop == "sampled" and chosen.explicit_delay[0] < half:
+    if study.objective.runs and chosen.explicit_delay[0] < half:
         rule = f"has no hold to run with in a total delay below half a sampling period, {half:g} s"
         remedy = "raise uncertainty.delay_as_it_runs, which holds that half, or write continuous"
-        raise layers.refusal(Fault("objective.tracking_loop", "sampled", rule, remedy))
+        sampled = study.objective.tracking_loop == "sampled"
+        key, value = ("tracking_loop", "sampled") if sampled else ("kind", "robustness")
+        raise layers.refusal(Fault(f"objective.{key}", value, rule, remedy))
     resolved = ResolvedStudy(
         name=path.resolve().parent.name if path.stem == "study" else path.stem,
         study=study,
