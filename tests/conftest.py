@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import tomllib
+from functools import partial
 from pathlib import Path
 
 # The workers of pytest-xdist share the cores: threads of their own would wait for one another.
@@ -51,13 +52,25 @@ def load_boom():
     ``twice`` counts Fig. 5's delays where the measurement path is explicit as well.
     """
 
-    def load(*overrides, uncertainty="", corners=False, twice=False):
-        points = 2 if corners else POINTS
-        place = f"uncertainty.sets.{uncertainty}" if uncertainty else "uncertainty"
-        written = [f"{place}.points={points}", *([TWICE] if twice else []), *overrides]
-        return load_study(STUDY, written, uncertainty)
+    return partial(_load, STUDY)
 
-    return load
+
+def _load(study, *overrides, uncertainty="", corners=False, twice=False):
+    points = 2 if corners else POINTS
+    place = f"uncertainty.sets.{uncertainty}" if uncertainty else "uncertainty"
+    written = [f"{place}.points={points}", *([TWICE] if twice else []), *overrides]
+    return load_study(study, written, uncertainty)
+
+
+@pytest.fixture(scope="session")
+def load_in_paper_s_frame(tmp_path_factory):
+    """Load the boom as the paper tunes it: on its continuous loop, whatever the noise gain."""
+    document = tomlkit.parse(STUDY.read_text(encoding="utf-8")).unwrap()
+    del document["requirements"]["noise_gain"], document["objective"]["tracking_loop"]
+    path = tmp_path_factory.mktemp("paper") / "boom" / "study.toml"
+    path.parent.mkdir()
+    path.write_text(tomlkit.dumps(document), encoding="utf-8")
+    return partial(_load, path)
 
 
 @pytest.fixture(scope="session")
