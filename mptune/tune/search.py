@@ -10,7 +10,6 @@ import numpy as np
 
 from mptune.progress import silent
 from mptune.tune.excesses import Excesses
-from mptune.tune.objective import Judge
 from mptune.tune.polish import Polished, polish
 from mptune.tune.result import Concession, Round
 from mptune.tune.space import Choice, Space, space_of
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from mptune.progress import Progress
     from mptune.robust.model import LinearModel
     from mptune.tune.excesses import Excess
-    from mptune.tune.objective import Figures
+    from mptune.tune.objective import Figures, Judge
 
 _ROUNDS = 8
 _REPEATS, _GAINED = 6, 1e-3  # of a polish, and what makes another one worth its while

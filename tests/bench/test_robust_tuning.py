@@ -1,7 +1,7 @@
 """How robust the boom's loop can be made as it runs, and what that costs; ``make bench``.
 
-§5.1's box, filters as they are, both ratios allowed up to 1, at the published gains' peak compliance
-and noise gain. The machine is the nonlinear one, with oil of 1200 MPa.
+§5.1's box, filters as they are, both ratios allowed up to 1, at the published gains' peak
+compliance and noise gain. The machine is the nonlinear one, with oil of 1200 MPa.
 """
 
 from __future__ import annotations
@@ -72,7 +72,7 @@ def shown(study, label):
     margin = found.sweep.certificates.of("force_reference", "sampled", "disk_margin")
     factor = found.sweep.sampled.worst("gain_margin", FORCE)[0]
     print(
-        f"\n{label}: {found.status}, disk margin {margin.attained:.4f} (proved {margin.bound:.4f}), "
+        f"\n{label}: {found.status}, disk margin {margin.attained:.4f}, proved {margin.bound:.4f}, "
         f"gain margin {factor:.3f}, compliance {1e6 * found.figures.peak_compliance:.3f} mm/kN, "
         f"noise gain {found.sweep.noise_gain / 1e6:.2f} MN/m, "
         f"Eq. 21 {found.sweep.position.worst_ratio:.3f}, "

@@ -45,7 +45,7 @@ def test_figures_are_those_of_the_verdict(model, family):
         np.testing.assert_array_equal(found.stable, stable)
         sign = np.where(stable, 1, -1)
         # Where a loop is all but unstable the verdict's golden section is the coarser one.
-        sharp = dict(rtol=1e-4, atol=1e-6)
+        sharp = {"rtol": 1e-4, "atol": 1e-6}
         np.testing.assert_allclose(found.disk_margin, sign * exact.disk_margin[FORCE], **sharp)
         np.testing.assert_allclose(found.phase_margin, sign * exact.phase_margin[FORCE], rtol=1e-6)
         factor = np.where(stable, exact.gain_margin[FORCE], exact.gain_reduction[FORCE])

@@ -9,6 +9,7 @@ from mptune.loops.velocity import plant_at
 from mptune.params.pack import pack_feedforward
 from mptune.robust.model import LinearModel
 from mptune.sim.judge import performance_index
+from mptune.sim.moves import distinct_moves
 from mptune.sim.running import BAND, step_figures, tracking_peaks
 from mptune.sim.sampled import run_linear
 
@@ -25,7 +26,7 @@ def test_the_largest_of_the_peaks_is_the_index(model, mass):
     ahead = pack_feedforward(
         model.study.study.feedforward.model_copy(update={"acceleration_mass": mass}), 0.0005
     )
-    loops, move = model.as_it_runs(model.gains), model.moves[0]
+    loops, move = model.as_it_runs(model.gains), distinct_moves(model.study.study.manoeuvre)[0]
     peaks = tracking_peaks(loops, model.period, move, ahead, 16)
     assert peaks.shape == (16, 16)
     ticks = round(move.duration / 0.0005) // 16 * 16

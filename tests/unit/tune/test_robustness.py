@@ -23,6 +23,8 @@ ROBUST = (
     'objective={kind="robustness", tracking_loop="sampled"}',
 )
 
+FEWER = {"xi": (0.9, 0.9), "tau": (5.5e-3, 5.5e-3)}  # free, for speed
+
 
 def margin_of(result):
     return result.sweep.certificates.of("force_reference", "sampled", "disk_margin")
@@ -54,7 +56,7 @@ def test_what_it_costs_is_kept_within_what_is_allowed(robust):
 def test_a_bound_on_the_index_is_kept_and_costs_margin(load_boom, robust):
     free = 'objective.free=["acceleration_mass", "reference_lag"]'
     asked = 'requirements.tracking_index="6 ms"'
-    found = tune(load_boom(*ROBUST, free, asked, **SET))
+    found = tune(load_boom(*ROBUST, free, asked, **SET), extra=FEWER)
     (check,) = [check for check in found.sweep.checks if check.key == "tracking_index"]
     assert found.status is TuneStatus.OPTIMAL
     assert check.status is Status.SATISFIED
@@ -65,7 +67,8 @@ def test_a_bound_on_the_index_is_kept_and_costs_margin(load_boom, robust):
 
 
 def test_an_index_that_cannot_be_had_is_named(load_boom):
-    result = tune(load_boom(*ROBUST, 'requirements.tracking_index="1 ms"', **SET))
+    asked = 'requirements.tracking_index="1 ms"', 'objective.tracking_loop="sampled"'
+    result = tune(load_boom(*asked, **SET), structure="p")
     assert result.status is TuneStatus.INFEASIBLE
     assert result.blocking.requirement == "tracking_index"
     assert result.blocking.least_found > 5
@@ -79,13 +82,13 @@ def test_margins_that_are_asked_are_what_tracking_is_tuned_to(load_boom):
         'requirements.delay_margin="9 ms"',
         'requirements.noise_gain="34.1 MN/m"',
     )
-    found = tune(load_boom(*asked, **SET))
+    found = tune(load_boom(*asked, **SET), structure="pi")
     checks = {check.key: check for check in found.sweep.checks}
     for name in ("disk_margin", "phase_margin", "delay_margin"):
         assert checks[name].status is Status.SATISFIED
         assert checks[name].grounds is Grounds.CERTIFIED
     assert set(found.binding) & {"disk_margin", "phase_margin", "delay_margin"}
-    assert found.figures.tracking < found.figures_before.tracking
+    assert found.figures.disk_margin > 2 * found.figures_before.disk_margin
 
 
 def test_robustness_after_tracking_gives_up_little_of_it(load_boom):
@@ -94,8 +97,8 @@ def test_robustness_after_tracking_gives_up_little_of_it(load_boom):
         'requirements.noise_gain="34.1 MN/m"',
         'objective={kind="tracking", tracking_loop="sampled", keep=0.05}',
     )
-    first = tune(load_boom(*base, **SET))
-    then = tune(load_boom(*base, 'objective.then=["robustness"]', **SET))
+    first = tune(load_boom(*base, **SET), structure="pi")
+    then = tune(load_boom(*base, 'objective.then=["robustness"]', **SET), structure="pi")
     assert then.figures.tracking <= 1.0501 * first.figures.tracking
     assert then.figures.disk_margin > 1.05 * first.figures.disk_margin
 
@@ -120,8 +123,9 @@ def test_no_hold_no_disk_margin(load_boom):
 
 
 def test_a_weighted_objective_may_hold_robustness(load_boom):
-    weights = 'objective={tracking=1.0, robustness=1.0, tracking_loop="sampled"}'
-    found = tune(load_boom(weights, 'requirements.noise_gain="34.1 MN/m"', **SET))
+    weights = 'objective={tracking=1.0, robustness=10.0, tracking_loop="sampled"}'
+    asked = 'requirements.noise_gain="34.1 MN/m"'
+    found = tune(load_boom(weights, asked, **SET), structure="pi")
     assert found.status is not TuneStatus.INFEASIBLE
     assert found.figures.disk_margin > 0.2
     assert np.isfinite(found.figures.tracking)
