@@ -190,7 +190,8 @@ class GainSearch:
 
     def _nearest(self, best: Polished) -> Polished:
         """Return the point nearest to every requirement, whatever the objective."""
-        return self._polish(best.point, np.ones(len(best.values.excesses), np.bool_))
+        count = len(self._worth.names())  # plants may have been added since the point was found
+        return self._polish(best.point, np.ones(count, np.bool_))
 
     def _starts(self, first: Choice | None) -> Iterable[FloatArray]:
         if first is not None:
@@ -234,7 +235,7 @@ class GainSearch:
     def _binding(self, best: Polished) -> tuple[str, ...]:
         """Return the requirements and bounds that a point lies at."""
         names = np.array(self._worth.names())
-        at = names[best.values.excesses > -_BINDING].tolist()
+        at = names[self._worth.of_requirements(best.point).excesses > -_BINDING].tolist()
         space = self._space
         for name, value, low, high in zip(
             space.names, best.point, space.low, space.high, strict=True
