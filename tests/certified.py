@@ -134,9 +134,9 @@ def discs_of(form, curve, centre, half, terms):
     row = np.empty(PER_DUAL * (FIXED + len(shifts)))
     coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], row)
     plant = plant_over(row, shifts, form.share_a, centre, half)
-    scratch, per_mass = np.empty((2, SIDES)), form.figure == COMPLIANCE
+    scratch, power = np.empty((2, SIDES)), 2 if form.figure == COMPLIANCE else 0
     top, bottom = (
-        enclose(plant, row, len(shifts), *weights, centre, half, *scratch, per_mass)
+        enclose(plant, row, len(shifts), *weights, centre, half, *scratch, power)
         for weights in ((1.0, 0.0), (0.0, 1.0))
     )
     least, most = -bottom.value - bottom.spread, -bottom.value + bottom.spread

@@ -129,6 +129,28 @@ def plant_over(
 
 
 @kernel
+def _swing_of_slope(top: Dual, num: float, ratio: float, half: float) -> Real:
+    """Return how far num·2μ|n_0|² may be from its value at the centre."""
+    size, wide = num * top.value.real, num * (top.spread + top.error)
+    return 2 * half * (size + wide) + 2 * ratio * wide + 8 * ROUND * ratio * size
+
+
+@kernel
+def _swung(delta: Dual, top: Dual, num: float, ratio: float, half: float) -> Dual:
+    """Return δ, which holds num·μ²|n_0|² at the centre's μ, with what a box's other μ add to it."""
+    size, swing = num * top.value.real, (2 * ratio + half) * half
+    wide, slope = num * (top.spread + top.error), num * (modulus(top.slope) + top.slope_spread)
+    rounding = 4 * ROUND * ratio * ratio
+    return Dual(
+        delta.value,
+        widened(delta.error + rounding * size),
+        widened(delta.spread + swing * (size + wide) + rounding * size),
+        delta.slope,
+        widened(delta.slope_spread + swing * slope + rounding * slope),
+    )
+
+
+@kernel
 def enclose(
     plant: PlantDiscs,
     row: FloatArray,
@@ -139,7 +161,7 @@ def enclose(
     half: FloatArray,
     slopes: FloatArray,
     spreads: FloatArray,
-    per_mass: bool,
+    power: int,
 ) -> Enclosed:
     """Enclose num·|n|² − den·|d|² over a box, and its gradient.
 
@@ -155,12 +177,12 @@ def enclose(
         ``(SIDES,)`` the box.
     slopes, spreads
         ``(SIDES,)``, filled with the gradient: within ``spreads`` of ``slopes`` over the box.
-    per_mass
-        Whether the numerator is to be multiplied by μ.
+    power
+        The power of μ by which |n|² is to be multiplied: 0 or 2.
     """
     omega, ratio, delay = centre[OMEGA], centre[RATIO], centre[DELAY]
     alpha = _weighed(row, terms + ALPHA_N, terms + ALPHA_D, num, den)
-    mass = ratio * ratio if per_mass else 1.0  # μ², of the numerator
+    mass = ratio**power  # of the numerator
     delta = _weighed(row, terms + DELTA_N, terms + DELTA_D, num * mass, den)
     both = _weighed(row, terms + BETA_N, terms + BETA_D, num, den)
     reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
@@ -185,21 +207,11 @@ def enclose(
     slopes[PHASE], spreads[PHASE] = ahead
     slopes[RATIO], spreads[RATIO] = twice_real(product(force, plant.whole), 1.0, 0.0)
     ratio_half = half[RATIO]
-    if per_mass:
+    if power:
         top = stored(row, terms + DELTA_N)
-        size_n, swing = num * top.value.real, (2 * ratio + ratio_half) * ratio_half
-        wide = num * (top.spread + top.error)
-        slopes[RATIO] += 2 * ratio * size_n
-        spreads[RATIO] += 2 * ratio_half * (size_n + wide) + 2 * ratio * wide
-        spreads[RATIO] += 8 * ROUND * ratio * size_n
-        turned_n = num * (modulus(top.slope) + top.slope_spread)
-        delta = Dual(
-            delta.value,
-            widened(delta.error + 4 * ROUND * mass * size_n),
-            widened(delta.spread + swing * (size_n + wide) + 4 * ROUND * mass * size_n),
-            delta.slope,
-            widened(delta.slope_spread + swing * turned_n + 4 * ROUND * mass * turned_n),
-        )
+        slopes[RATIO] += 2 * ratio * num * top.value.real
+        spreads[RATIO] += _swing_of_slope(top, num, ratio, ratio_half)
+        delta = _swung(delta, top, num, ratio, ratio_half)
     tau_a = twice_real(product(force, plant.by_tau_a), ratio, ratio_half)
     tau_b = twice_real(product(force, plant.by_tau_b), ratio, ratio_half)
     late = twice_real(product(force, plant.by_delay), ratio, ratio_half)

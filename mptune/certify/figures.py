@@ -193,7 +193,7 @@ def _continuous(form: Form, omega: float, half: float) -> _Parts:
     s0, s1 = times(first, plant), times(first, speed)
     if form.figure == MIXTURE and form.loop == POSITION:
         return _mixture(form, s0, s1, law)
-    if form.figure == MIXTURE or form.figure == COMPLIANCE:
+    if form.figure in (MIXTURE, COMPLIANCE):
         parts = _mixture(form, s0, constant(0.0), plus(s1, law))
         if form.figure == COMPLIANCE:
             soft = _softened(form, omega, half)

@@ -81,7 +81,7 @@ def search(
     point
         ``(SIDES,)``, filled: where the figure is ABOVE, or where the search ended.
     """
-    terms, per_mass = len(shifts), form.figure == COMPLIANCE
+    terms, power = len(shifts), 2 if form.figure == COMPLIANCE else 0
     # A box at place p uses the coefficients in a slot ≤ p, so that the last one may fill its own.
     slots = np.empty(len(lows), np.int64)
     for i in range(count):
@@ -102,8 +102,8 @@ def search(
             coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], rows[last])
         row = rows[slots[last]]
         plant = plant_over(row, shifts, form.share_a, centre, half)
-        f = enclose(plant, row, terms, num, den, centre, half, slopes, spreads, per_mass)
-        weight = (centre[RATIO] + half[RATIO]) ** 2 if per_mass else 1.0
+        f = enclose(plant, row, terms, num, den, centre, half, slopes, spreads, power)
+        weight = (centre[RATIO] + half[RATIO]) ** power
         if _highest(f, slopes, spreads, half) < 0 or _clear(
             plant, row, terms, weight * num, den, centre, half
         ):

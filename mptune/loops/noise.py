@@ -43,7 +43,7 @@ def _fixed_parts(
     """Return s, the filter, Eq. 23 through it, and the weights of the integral, ``(F,)`` each."""
     half_rate = np.pi / path.sample_time
     omega = np.geomspace(_LOWEST * half_rate, half_rate, _POINTS)
-    s = 1j * omega
+    s = np.asarray(1j * omega, np.complex128)
     through = filter_response(s, path.sample_time, path.filter_pole)
     velocity = through * s * differentiator_over_s(s, path.sample_time)  # Eq. 23
     steps = np.diff(omega, prepend=omega[0], append=omega[-1])

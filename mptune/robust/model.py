@@ -21,7 +21,6 @@ from mptune.robust.delays import at_same_share, corners_of, joined
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.measured import Members, members_of, whole_family
 from mptune.robust.place import PlantPoint, plant_point
-from mptune.sim.moves import distinct_moves
 from mptune.summary import Summarised
 
 if TYPE_CHECKING:
@@ -32,7 +31,6 @@ if TYPE_CHECKING:
     from mptune.params.requirements import RatioCurve, Requirements
     from mptune.params.study import ResolvedStudy
     from mptune.robust.measured import ForceResponse
-    from mptune.sim.moves import Moves
 
 PATHS = ("none", "filters")
 """Measurement paths of the continuous loops; the third, ``"sampled"``, is the loop as it runs."""
@@ -137,11 +135,6 @@ class LinearModel(Summarised):
     def whole_family(self) -> Plants:
         """The box's plants, and the measured members behind them."""
         return whole_family(self.plants, self.members)
-
-    @cached_property
-    def moves(self) -> tuple[Moves, ...]:
-        """Each different move of the study's manoeuvres, as a linear loop tells them apart."""
-        return distinct_moves(self.study.study.manoeuvre)
 
     @property
     def member_names(self) -> tuple[str, ...]:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mptune.arrays import Complex, ComplexArray, FloatArray, kernel
+from mptune.arrays import Complex, ComplexArray, FloatArray, Real, kernel
 from mptune.loops.running import running_family, runs_stable, sampled_at
 from mptune.loops.sampled import sampled_loop
 from mptune.signals.tustin import discrete_response, discretise
@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from mptune.params.packed import LoopGains
 
 _SENSITIVITY, _DISK, _COMPLIANCE = 0, 1, 2
+_IMAGINARY, _MODULUS = 0, 1  # kinds of crossing: Im L = 0, |L| = 1
 _NEARLY = 0.7  # of the highest grid value: lower peaks are not refined
 _PARABOLAS, _SECANTS = 4, 12
 _BLOCK = 2000  # plants whose responses are kept at a time
@@ -102,7 +103,7 @@ def _figures(family: RunningFamily, gains: LoopGains) -> FloatArray:
 
 
 @kernel
-def _size(kind: int, gain: Complex, omega: float, mass: float) -> float:
+def _size(kind: int, gain: Complex, omega: float, mass: float) -> Real:
     """Return |S|, |S − T|/2 or |S|/(mω²) of a loop gain."""
     if kind == _DISK:
         return 0.5 * abs((1 - gain) / (1 + gain))
@@ -171,7 +172,7 @@ def _narrowed(
 @kernel
 def _note_crossings(
     row: FloatArray,
-    stable: bool,
+    stable: Real,
     omega: FloatArray,
     loop: ComplexArray,
     plant: SampledPlant,
@@ -184,11 +185,11 @@ def _note_crossings(
     last = len(omega) - 1
     for f in range(last):
         if loop[f].imag * loop[f + 1].imag < 0:
-            at = _crossing(False, omega[f], omega[f + 1], loop[f], loop[f + 1],
+            at = _crossing(_IMAGINARY, omega[f], omega[f + 1], loop[f], loop[f + 1],
                            plant, gains, period)  # fmt: skip
             _note_factor(row, stable, sampled_loop(1j * at, plant, gains, period).real, at)
         if (abs(loop[f]) - 1) * (abs(loop[f + 1]) - 1) < 0:
-            at = _crossing(True, omega[f], omega[f + 1], loop[f], loop[f + 1],
+            at = _crossing(_MODULUS, omega[f], omega[f + 1], loop[f], loop[f + 1],
                            plant, gains, period)  # fmt: skip
             gain = sampled_loop(1j * at, plant, gains, period)
             lag = (np.arctan2(gain.imag, gain.real) + np.pi) % (2 * np.pi)
@@ -205,7 +206,7 @@ def _note_crossings(
 
 
 @kernel
-def _note_factor(row: FloatArray, stable: bool, real: float, at: float) -> None:
+def _note_factor(row: FloatArray, stable: Real, real: float, at: float) -> None:
     """Note a factor of the gain that reaches the critical point."""
     if real >= 0:
         return
@@ -217,7 +218,7 @@ def _note_factor(row: FloatArray, stable: bool, real: float, at: float) -> None:
 
 @kernel
 def _crossing(
-    of_modulus: bool,
+    kind: int,
     low: float,
     high: float,
     at_low: Complex,
@@ -227,13 +228,13 @@ def _crossing(
     period: float,
 ) -> float:
     """Return where ln|L| or Im L is zero between two frequencies, by the Illinois method."""
-    below = np.log(abs(at_low)) if of_modulus else at_low.imag
-    above = np.log(abs(at_high)) if of_modulus else at_high.imag
+    below = np.log(abs(at_low)) if kind == _MODULUS else at_low.imag
+    above = np.log(abs(at_high)) if kind == _MODULUS else at_high.imag
     side, at = 0, low
     for _ in range(_SECANTS):
         at = (low * above - high * below) / (above - below)
         gain = sampled_loop(1j * at, plant, gains, period)
-        value = np.log(abs(gain)) if of_modulus else gain.imag
+        value = np.log(abs(gain)) if kind == _MODULUS else gain.imag
         if value == 0 or high - low < 1e-12 * high:
             break
         if (value < 0) == (above < 0):

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mptune.loops.family import FamilyLoops
 from mptune.params.pack import pack_feedforward
+from mptune.sim.moves import distinct_moves
 from mptune.sim.response import tracking
 from mptune.sim.running import tracking_peaks
 
@@ -49,17 +51,21 @@ def family_tracking(
     FloatArray
         ``(n, M, BINS)``; the index is the largest of it.
     """
+    moves = _moves(model.study.study.manoeuvre)
     every = np.arange(model.plants.number)
     picked = every if rows is None else rows
     if model.study.study.objective.tracking_loop == "sampled":
         loops = model.as_it_runs(gains)
         loops = replace(loops, plants=loops.plants.picked(picked))
         ahead = pack_feedforward(feedforward, model.filters.sample_time)
-        peaks = [tracking_peaks(loops, model.period, move, ahead, BINS) for move in model.moves]
+        peaks = [tracking_peaks(loops, model.period, move, ahead, BINS) for move in moves]
     else:
         plants = model.plants.picked(picked)
-        peaks = [_continuous(model, plants, gains, move) for move in model.moves]
+        peaks = [_continuous(model, plants, gains, move) for move in moves]
     return np.asarray(np.stack(peaks, axis=1))
+
+
+_moves = lru_cache(maxsize=16)(distinct_moves)
 
 
 def _continuous(model: LinearModel, plants: Plants, gains: LoopGains, move: Moves) -> FloatArray:

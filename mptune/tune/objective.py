@@ -9,7 +9,6 @@ import numpy as np
 
 from mptune.loops.family import FamilyLoops
 from mptune.loops.running import running_family
-from mptune.params.packed import LoopGains
 from mptune.robust.condition import nominal_loops
 from mptune.robust.running import family_figures, running_figures
 from mptune.robust.tracking import family_tracking
@@ -17,6 +16,7 @@ from mptune.sim.response import load_step
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
+    from mptune.params.packed import LoopGains
     from mptune.params.requirements import Objective
     from mptune.robust.model import LinearModel
     from mptune.robust.running import RunningFigures

@@ -10,7 +10,6 @@ import numpy as np
 
 from mptune.progress import silent
 from mptune.tune.excesses import Excesses
-from mptune.tune.objective import Judge
 from mptune.tune.polish import Polished, polish
 from mptune.tune.result import Concession, Round
 from mptune.tune.space import Choice, Space, space_of
@@ -25,7 +24,7 @@ if TYPE_CHECKING:
     from mptune.progress import Progress
     from mptune.robust.model import LinearModel
     from mptune.tune.excesses import Excess
-    from mptune.tune.objective import Figures
+    from mptune.tune.objective import Figures, Judge
 
 _ROUNDS = 8
 _REPEATS, _GAINED = 6, 1e-3  # of a polish, and what makes another one worth its while
@@ -191,7 +190,8 @@ class GainSearch:
 
     def _nearest(self, best: Polished) -> Polished:
         """Return the point nearest to every requirement, whatever the objective."""
-        return self._polish(best.point, np.ones(len(best.values.excesses), np.bool_))
+        count = len(self._worth.names())  # plants may have been added since the point was found
+        return self._polish(best.point, np.ones(count, np.bool_))
 
     def _starts(self, first: Choice | None) -> Iterable[FloatArray]:
         if first is not None:
@@ -235,7 +235,7 @@ class GainSearch:
     def _binding(self, best: Polished) -> tuple[str, ...]:
         """Return the requirements and bounds that a point lies at."""
         names = np.array(self._worth.names())
-        at = names[best.values.excesses > -_BINDING].tolist()
+        at = names[self._worth.of_requirements(best.point).excesses > -_BINDING].tolist()
         space = self._space
         for name, value, low, high in zip(
             space.names, best.point, space.low, space.high, strict=True

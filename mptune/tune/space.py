@@ -45,7 +45,7 @@ OTHERS = (
 """Requirements on linear figures beside those of Eq. 17 and Eq. 21."""
 
 
-class Variable(NamedTuple):
+class Beside(NamedTuple):
     """What may be free beside the controller's gains: one row of ``BESIDE`` makes it so."""
 
     part: str  # field of ``Choice`` that holds it
@@ -54,11 +54,11 @@ class Variable(NamedTuple):
 
 
 BESIDE = {
-    "acceleration_mass": Variable(
+    "acceleration_mass": Beside(
         "feedforward", 1e4, lambda model: 2 * float(model.plants.mass.max())
     ),
-    "reference_lag": Variable("feedforward", 5e-3, lambda _: _LONGEST_LAG),
-    "velocity_reference_lag": Variable("feedforward", 5e-3, lambda _: _LONGEST_LAG),
+    "reference_lag": Beside("feedforward", 5e-3, lambda _: _LONGEST_LAG),
+    "velocity_reference_lag": Beside("feedforward", 5e-3, lambda _: _LONGEST_LAG),
 }
 """By its name in ``objective.free``; what is not here is a gain, searched on its logarithm."""
 

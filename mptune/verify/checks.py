@@ -33,6 +33,11 @@ def machine_checks(verified: VerifyResult) -> tuple[Check, ...]:
 
     What counts is the worst machine: the mean over its movement sets, of the final error the
     largest. A machine whose loop is not stable has none of these figures.
+
+    Parameters
+    ----------
+    verified
+        What a verification found, with the study that asks.
     """
     requirements = verified.study.study.requirements
     return tuple(

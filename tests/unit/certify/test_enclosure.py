@@ -45,8 +45,8 @@ def evaluate(form, curve, centre, half, num, den):
     slopes, spreads = np.empty(SIDES), np.empty(SIDES)
     coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], row)
     plant = plant_over(row, shifts, form.share_a, centre, half)
-    heavy = form.figure == COMPLIANCE
-    found = enclose(plant, row, len(shifts), num, den, centre, half, slopes, spreads, heavy)
+    power = 2 if form.figure == COMPLIANCE else 0
+    found = enclose(plant, row, len(shifts), num, den, centre, half, slopes, spreads, power)
     clear = clearance(plant, row, len(shifts), centre, half)
     return found, slopes, spreads, clear
 
