@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mptune.cli.terminal import files, opening, say, show
 from mptune.report.blocks import Tabular, verdict
 from mptune.report.content.closed_loop import machines, movement_sets
-from mptune.report.content.front import NOT_RUN, front_page, headline, tuning
+from mptune.report.content.front import NOT_RUN, front_page, headline, tuning, warnings
 from mptune.report.content.loops import condition_text, factors_text, gain_factors
 
 if TYPE_CHECKING:
@@ -21,7 +21,7 @@ def summary(result: JobResult) -> None:
     page, tuned = front_page(found_by(result)), result.tuned
     seen = [*map(condition_text, tuned.sweep.conditions), factors_text(result.chain)]
     run = [] if result.verified else [NOT_RUN]
-    opening([*tuning(tuned), *seen, *run], page.warnings, good=tuned.blocking is None)
+    opening([*tuning(tuned), *seen, *run], warnings(tuned.sweep), good=tuned.blocking is None)
     show(*(block.brief() for block in page.blocks if isinstance(block, Tabular)))
     named = {".pdf": 0, ".html": 1, ".toml": 2}
     shown = [path for path in result.files if path.suffix in named]
