@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 STUDY ?= studies/boom/study.toml
 
-.PHONY: run test bench format setup coverage mutants
+.PHONY: run test bench format setup coverage mutants dist
 
 run: setup
 	$(BIN)/mptune run $(STUDY)
@@ -31,6 +31,15 @@ coverage: setup
 # MUTANTS="eq-07 radius" applies those whose names begin so.
 mutants: setup
 	$(BIN)/python tests/mutants/run.py $(MUTANTS)
+
+# A wheel and an sdist, checked, and the wheel used in an environment of its own.
+dist: setup
+	rm -rf build dist
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dist]"
+	$(BIN)/python -m build --outdir dist .
+	$(BIN)/twine check --strict dist/*
+	$(BIN)/check-wheel-contents dist/*.whl
+	$(PYTHON) tests/dist/use_wheel.py
 
 format: setup
 	$(BIN)/ruff format .
