@@ -111,6 +111,7 @@ if TYPE_CHECKING:
     from mptune.tune.result import Blocking, Concession, Round, TuneResult, TuneStatus
     from mptune.tune.tuner import tune as tune_gains
     from mptune.tune.velocity import VelocityGain
+    from mptune.verify.checks import machine_checks
     from mptune.verify.result import CaseResult, CaseStatus, VerifyResult
     from mptune.verify.verify import verify as verify_gains
     from mptune.weigh.procedure import Stage
@@ -181,6 +182,7 @@ _MODULES = {
     "tune.result": "Blocking, Concession, Round, TuneResult, TuneStatus",
     "tune.tuner": "tune as tune_gains",
     "tune.velocity": "VelocityGain",
+    "verify.checks": "machine_checks",
     "verify.result": "CaseResult, CaseStatus, VerifyResult",
     "verify.verify": "verify as verify_gains",
     "weigh.procedure": "Stage",
@@ -211,7 +213,7 @@ __all__ = [
     "Study", "SweepResult", "Trial", "TuneResult", "TuneStatus", "Use", "VelocityGain",
     "VerifyResult", "Weights", "WeightsResult", "Workers", "baselines", "chain",
     "controller_to_control", "design", "fit_response", "from_frd", "front", "identify_loop",
-    "linear_moves", "load_study",
+    "linear_moves", "load_study", "machine_checks",
     "p_structure", "pi_structure", "pid_structure", "plan_campaign", "position_structure",
     "read_gains", "read_response", "run", "run_campaign", "search_weights", "structure_of",
     "sweep", "to_pandas", "tune_gains", "verify_gains", "workers", "write_gains",

@@ -66,10 +66,12 @@ def load_study(
         raise InputError(path, fault)
     chosen = study.uncertainty.chosen(uncertainty)
     half = study.controller.sampling_period / 2
-    if study.objective.tracking_loop == "sampled" and chosen.delay[0] < half:
+    if study.objective.runs and chosen.delay[0] < half:
         rule = f"has no hold to run with in a total delay below half a sampling period, {half:g} s"
         remedy = "raise uncertainty.delay, which holds that half, or write continuous"
-        raise layers.refusal(Fault("objective.tracking_loop", "sampled", rule, remedy))
+        sampled = study.objective.tracking_loop == "sampled"
+        key, value = ("tracking_loop", "sampled") if sampled else ("kind", "robustness")
+        raise layers.refusal(Fault(f"objective.{key}", value, rule, remedy))
     return ResolvedStudy(
         name=path.resolve().parent.name if path.stem == "study" else path.stem,
         study=study,
