@@ -73,6 +73,7 @@ def bound(
     ValueError
         If there is no such figure of that loop with that path.
     """
+    problem = problem.along(path)
     form = form_of(problem, loop, path, figure)
     name = loop, path, figure
     witness, known = _corner_witness(problem, form, loop, path)

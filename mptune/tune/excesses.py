@@ -54,6 +54,7 @@ SAMPLED = (
 POSITION, NOISE, STABLE = "position_ratio", "noise_gain", "unstable_plants"
 PEAKS = ("sensitivity_peak", "complementary_peak")
 STEPS = ("overshoot", "settling_time")
+AS_IT_RUNS = (*SAMPLED, *STEPS)
 
 
 def _with(omega: FloatArray, added: FloatArray) -> FloatArray:
@@ -77,7 +78,8 @@ class Excess(NamedTuple):
         """Return the place; None for requirements that know no plant."""
         if self.plant < 0:
             return None
-        return model.point(self.plant, self.frequency)
+        as_it_runs = self.requirement in {*AS_IT_RUNS, STABLE}
+        return model.point(self.plant, self.frequency, as_it_runs=as_it_runs)
 
 
 class Excesses:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -14,6 +13,7 @@ from mptune.robust.certificates import place_of
 from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
+from mptune.tune.excesses import AS_IT_RUNS
 from mptune.tune.objective import Judge
 from mptune.tune.result import Blocking, TuneResult, TuneStatus
 from mptune.tune.search import GainSearch, Searched, nothing
@@ -157,7 +157,7 @@ class Tuner:
             return self._learn_margin(judged, choice)
         missed = [check for check in judged.checks if missed_by(self._model, check) > 0]
         for check in missed:
-            if not self._joins(check.at):
+            if not self._joins(check.at, as_it_runs=check.key in AS_IT_RUNS):
                 over = missed_by(self._model, check)
                 self._hand[check.key] = self._hand.get(check.key, 0.0) + over
         self._velocity = self._largest_velocity_gain()
@@ -170,16 +170,17 @@ class Tuner:
         if found is None or not self._study.study.objective.robust:
             return False
         known = self._judge.figures(choice).disk_margin
-        return found.attained < (1 - _OFF) * known and self._joins(place_of(found.at))
+        return found.attained < (1 - _OFF) * known and self._joins(
+            place_of(found.at), as_it_runs=True
+        )
 
-    def _joins(self, at: PlantPoint | None) -> bool:
+    def _joins(self, at: PlantPoint | None, *, as_it_runs: bool) -> bool:
         """Let a plant join the family; return whether it had not before."""
         if at is None or at.response is not None or not np.isfinite(at.delay_s):
             return False
-        one, family = self._model.plant(at), self._model.plants
-        if np.all([a == b[0] for a, b in zip(family, one, strict=True)], 0).any():
+        if self._model.holds(at, as_it_runs=as_it_runs):
             return False
-        self._model = replace(self._model, plants=family.followed_by(one))
+        self._model = self._model.joined_by(at, as_it_runs=as_it_runs)
         self._judge.ask(self._model)
         return True
 

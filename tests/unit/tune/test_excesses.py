@@ -98,7 +98,9 @@ def test_a_plant_that_is_worse_inside_the_box_is_found_and_added(load_boom):
     corners = len(model.plants.mass)
     planted = (30e3, 0.019, 0.02, 0.02, model.plants.share_a[0])
     one = Plants(*(np.array([value]) for value in planted))
-    worse = replace(model, plants=model.plants.followed_by(one))
+    worse = replace(
+        model, lumped=model.lumped.followed_by(one), explicit=model.explicit.followed_by(one)
+    )
     required = Excesses(worse, worse.gains)
     required._true = np.arange(4)
     required._ask_sampled(required._true)
@@ -164,7 +166,9 @@ def test_excesses_are_smooth_enough_for_differences(study):
 
 
 def test_short_delays_leave_no_sampled_loop_to_ask(load_boom):
-    model = LinearModel.of(load_boom(*ASKED, 'uncertainty.delay=["3 ms", "14 ms"]', corners=True))
+    model = LinearModel.of(
+        load_boom(*ASKED, 'uncertainty.delay_as_it_runs=["3 ms", "14 ms"]', corners=True)
+    )
     names = Excesses(model, model.gains).names
     assert "gain_margin" not in names
     assert "sensitivity_peak" in names
