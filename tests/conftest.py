@@ -96,14 +96,6 @@ def section_5_1(load_boom):
     return sweep(load_boom(uncertainty="section-5-1"))
 
 
-@pytest.fixture(scope="session")
-def tuned_boom(load_boom):
-    """The boom study's tuning, on the corners of its box."""
-    from mptune.tune.tuner import tune
-
-    return tune(load_boom(corners=True))
-
-
 @pytest.fixture
 def write_study(tmp_path):
     """Write the boom study with some keys set to TOML values, or removed where None."""

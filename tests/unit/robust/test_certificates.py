@@ -135,7 +135,7 @@ def test_json_holds_bounds_and_radii(on_corners):
     assert values["velocity"]["grounds"] == "certified"
     words = {(one["loop"], one["path"], one["figure"]) for one in values["bounds"]}
     assert ("force_reference", "sampled", "disk_margin") in words
-    assert len(words) == len(values["bounds"]) == 19
+    assert len(words) == len(values["bounds"]) == 20
     assert set(values["radius"]) == {"equation_17", "equation_21", "true", "with_path", "sampled"}
     expected = {"equation_17": 6.04, "equation_21": 2.668, "with_path": 1.3955, "sampled": 1.406}
     for name, radius in expected.items():
@@ -155,6 +155,7 @@ def test_no_hold_fits_into_a_short_delay(load_boom):
         'uncertainty.delay=["2 ms", "10 ms"]',
         'uncertainty.delay_as_it_runs=["2 ms", "10 ms"]',
         'uncertainty.nominal.delay="2 ms"',
+        "objective.tracking_loop=continuous",
         corners=True,
     )
     proofs = sweep(study).certificates

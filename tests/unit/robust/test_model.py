@@ -77,7 +77,10 @@ def test_the_inequalities_have_the_path_that_the_study_names(load_boom, name):
 @pytest.mark.parametrize(("shortest", "runs"), [("4.99 ms", False), ("5 ms", True)])
 def test_a_loop_runs_where_every_delay_leaves_room_for_the_hold(load_boom, shortest, runs):
     override = f'uncertainty.delay_as_it_runs=["{shortest}", "14 ms"]'
-    assert LinearModel.of(load_boom(override, corners=True)).runs == runs
+    assert (
+        LinearModel.of(load_boom(override, "objective.tracking_loop=continuous", corners=True)).runs
+        == runs
+    )
 
 
 # Corners ----------------------------------------------------------------------------------------

@@ -158,6 +158,7 @@ def test_without_room_for_the_hold_nothing_sampled_is_evaluated(load_boom, short
     result = sweep(
         load_boom(
             f'uncertainty.delay_as_it_runs=["{shortest}", "11 ms"]',
+            "objective.tracking_loop=continuous",
             "requirements.gain_margin=1.01",
             "requirements.sampled_sensitivity_peak=50",
             corners=True,
