@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from mptune.params.gains import version
 from mptune.robust.place import finite
+from mptune.units import number_beside
 
 if TYPE_CHECKING:
     from mptune.export.constants import Numbers
@@ -92,7 +93,7 @@ class TargetController:
         lines += [f"{key}: {value}" for key, value in self.provenance().items()]
         lines += ["", f"margins as written: {self.verdict}"]
         for check in self.margins.checks:
-            lines.append(f"  {check.label}: {check.found:.6g} ({check.limit}), {check.status}")
+            lines.append(f"  {check.label}: {number_beside(check.found, check.limit, 6)} ({check.limit}), {check.status}")
         lines += [f"closed loop on the nonlinear machine: {self.source.closed_loop}"]
         lines += ["", "gains, SI:"]
         for section in (self.gains, self.feedforward):

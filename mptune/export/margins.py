@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from mptune.robust.result import Check, Status
 from mptune.robust.sweep import sweep
+from mptune.units import exact
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -83,7 +84,7 @@ def _bound_checks(bounds: GainBounds, gains: Gains) -> Iterator[Check]:
         if bound is not None:
             (low, high), found = bound, getattr(gains, key)
             kept = low * (1 - _SLACK) <= found <= high * (1 + _SLACK)
-            limit = f"{low:g} … {high:g} {unit if unit != '1' else ''}".rstrip()
+            limit = f"{exact(low)} … {exact(high)} {unit if unit != '1' else ''}".rstrip()
             yield Check(key, key, limit, found, _status(kept=kept), None)
 
 

@@ -147,7 +147,7 @@ def requirements(checks: Iterable[Check]) -> Tabular:
         [
             check.label,
             check.limit,
-            number(check.found),
+            check.found_text,
             verdict(check.status.value, good=check.status is Status.SATISFIED),
             Cell(check.grounds.value if check.grounds else "—", "small"),
             Cell(place_text(check.at), "small"),
