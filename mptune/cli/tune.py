@@ -48,5 +48,6 @@ def tune(
     if json:
         show.as_json(result.json())
     else:
+        show.headline(result.judgement)
         whole_tuning(result)
-    finish(met=result.tuned.sweep.satisfied)
+    finish(met=result.judgement.met)

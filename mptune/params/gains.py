@@ -21,9 +21,9 @@ from pydantic import Field, ValidationError
 from mptune.errors import Fault, InputError
 from mptune.files import read_text, write_whole
 from mptune.params.controller import Feedforward, Gains
+from mptune.params.format import FORMAT_KEY, GAINS_FORMAT
 from mptune.params.headline import Headline
 from mptune.params.judged_on import Difference, differences, refuse_other_controller
-from mptune.params.format import FORMAT_KEY, GAINS_FORMAT
 from mptune.params.load import faults_of, parse_toml
 from mptune.params.section import Section
 from mptune.params.study import CHOSEN
@@ -177,9 +177,7 @@ def read_gains(path: str | Path, study_hash: str = "") -> GainsFile:
     return gains
 
 
-def gains_for(
-    study: ResolvedStudy, path: str | Path
-) -> tuple[GainsFile, tuple[Difference, ...]]:
+def gains_for(study: ResolvedStudy, path: str | Path) -> tuple[GainsFile, tuple[Difference, ...]]:
     """Read a gains file to judge it on a study, with what differs from the model it was made for.
 
     Parameters

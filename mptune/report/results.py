@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from mptune.params.controller import Feedforward
     from mptune.params.study import ResolvedStudy
     from mptune.robust.chain import Link
-    from mptune.robust.headline import Judgement
     from mptune.robust.encirclements import Encirclements
+    from mptune.robust.headline import Judgement
     from mptune.robust.one_at_a_time import Influence
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove

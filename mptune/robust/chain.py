@@ -168,12 +168,14 @@ def _inequalities(result: SweepResult) -> Link:
 
 
 def _family_link(name: str, family: Family, result: SweepResult) -> Link:
-    """Return a family's gain factor with what is proved of it, and whether it is stable as it is."""
+    """Return a family's gain factor, what is proved of it, and whether it is stable as it is."""
     unstable = family.decided & ~family.stable
     count = f"{int(unstable.sum())} of {len(family.stable)} plants are unstable"
     if unstable.any():
         factor, at = _restoring_factor(family, result)
-        return Link(name, factor, at, float("nan"), Stability.UNSTABLE, family.first_unstable(), count)
+        return Link(
+            name, factor, at, float("nan"), Stability.UNSTABLE, family.first_unstable(), count
+        )
     if not family.decided.all():
         return Link(
             name, float("nan"), None, float("nan"), Stability.UNDECIDED, family.first_unstable()

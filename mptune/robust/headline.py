@@ -87,10 +87,7 @@ def judge(checks: Iterable[Check], links: Sequence[Link]) -> Judgement:
     """
     checks = tuple(checks)
     found = (
-        _undecided(checks, links)
-        or _violated(checks)
-        or _unstable(links)
-        or _short_of_gain(links)
+        _undecided(checks, links) or _violated(checks) or _unstable(links) or _short_of_gain(links)
     )
     return found or _met(links)
 

@@ -231,7 +231,7 @@ class SweepResult(Summarised, Drawn, Labelled):
 
     @property
     def satisfied(self) -> bool:
-        """Whether every requirement of the study is met."""
+        """Whether every requirement that the study writes is met: half of a verdict."""
         return all(check.status is Status.SATISFIED for check in self.checks)
 
     @property

@@ -109,7 +109,7 @@ def changes(before: VerifyResult, after: VerifyResult) -> tuple[Change, ...]:
 
 
 def in_a_sentence(found: Iterable[Change]) -> str:
-    """Return what became better, worse and stayed equal on the machine; worse at any mass counts."""
+    """Return what became better, worse or stayed equal on the machine; worse at any mass counts."""
     by_figure: dict[str, list[Change]] = defaultdict(list)
     for one in found:
         by_figure[one.key].append(one)
@@ -165,5 +165,7 @@ def _by_machine(one: Merit, cases: Iterable[CaseResult]) -> list[FloatArray]:
 def _scatter(machines: Sequence[FloatArray]) -> float:
     """Return the rms deviation of a set from its machine's mean; 0 where each ran but one."""
     freedom = sum(len(values) - 1 for values in machines if len(values))
-    squares = sum(float(((values - values.mean()) ** 2).sum()) for values in machines if len(values))
+    squares = sum(
+        float(((values - values.mean()) ** 2).sum()) for values in machines if len(values)
+    )
     return float(np.sqrt(squares / freedom)) if freedom else 0.0
