@@ -113,9 +113,8 @@ class TargetController:
             f"margins as written: {self.verdict}",
         ]
         for check in self.margins.checks:
-            lines.append(
-                f"  {check.label}: {number_beside(check.found, check.limit, 6)} ({check.limit}), {check.status}"
-            )
+            found = number_beside(check.found, check.limit, 6)
+            lines.append(f"  {check.label}: {found} ({check.limit}), {check.status}")
         lines += [f"closed loop on the nonlinear machine: {self.source.closed_loop}"]
         lines += ["", "gains, SI:"]
         for section in (self.gains, self.feedforward):

@@ -48,8 +48,9 @@ if TYPE_CHECKING:
     from mptune.verify.result import VerifyResult
 
 STAGES = (
-    "sweep", "tune", "linear check", "chain", "verify", "verify own", "compare", "figures", "report",
-)  # fmt: skip
+    *("sweep", "tune", "linear check", "chain", "verify", "verify own"),
+    *("compare", "figures", "report"),
+)
 _WORTH_RUNNING = {Headline.MET, Headline.ON_PAPER}
 
 

@@ -22,7 +22,7 @@ if TYPE_CHECKING:
 
     from mptune.params.study import ResolvedStudy
 
-_CONTROLLER = "controller."
+_CONTROLLER, _SENSOR = "controller.", "_noise"  # sensor noise is no part of the controller
 _FEW = 8  # values of a list that are kept; of longer ones their hash
 
 
@@ -88,7 +88,7 @@ def refuse_other_controller(path: str | Path, found: tuple[Difference, ...]) -> 
             "give the study the same value, or tune again",
         )
         for one in found
-        if one.key.startswith(_CONTROLLER)
+        if one.key.startswith(_CONTROLLER) and not one.key.endswith(_SENSOR)
     ]
     if faults:
         raise InputError(path, *faults)

@@ -53,7 +53,7 @@ def front_page(results: Results) -> FrontPage:
     return FrontPage(
         about=[f"{words}measurement path in the model: {study.study.model.measurement_path}"],
         headline=f"Verdict: {judged.word}",
-        status=[f"{judged.because}.", *_status(results)],
+        status=[f"{judged.because[:1].upper()}{judged.because[1:]}.", *_status(results)],
         warnings=warnings(swept),
         blocks=[block for table in tables for block in table.titled()],
     )

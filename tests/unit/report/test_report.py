@@ -14,7 +14,9 @@ from mptune.job.run import run
 from mptune.params.pack import pack_gains
 from mptune.report.document import write_report
 from mptune.robust.chain import factor_text
+from mptune.params.headline import Headline
 from mptune.robust.encirclements import encirclements
+from mptune.robust.headline import Judgement
 from mptune.signals.tustin import discretise
 from mptune.units import shown
 
@@ -57,7 +59,7 @@ def text(job):
 
 
 def test_text_holds_verdict_gains_and_sources(job, text):
-    assert "Every requirement is met" in text
+    assert f"Verdict: {job.judgement.word}" in text
     for key, unit, _, _ in job.tuned.gains.quantities():
         assert shown(getattr(job.tuned.gains, key), unit) in text
     assert "published: Table 2" in text
@@ -136,10 +138,12 @@ def test_a_study_s_words_are_printed_as_they_stand(load_boom, job, tmp_path, tit
 
 def test_report_without_some_results_leaves_only_those_out(job, tmp_path):
     bare = {"tuned": None, "verified": None, "moves": (), "moves_before": (), "chain": ()}
-    bare |= {"encirclements": (), "influences": (), "satisfied": False, "sweep": job.published}
+    bare |= {"encirclements": (), "influences": (), "changes": (), "sweep": job.published}
+    bare |= {"judgement": Judgement(Headline.NOT_MET, "so it is"), "verified_before": None}
     whole = written(tmp_path, changed(job, tmp_path))
     for text, before in zip(written(tmp_path, changed(job, tmp_path, **bare)), whole, strict=True):
-        assert "Some requirement is not met" in text
+        assert "Verdict: not met" in text
+        assert "So it is" in text
         assert "nothing was tuned" in text
         assert "published: Table 2" in text
         for missing in ("Linear check", "The nonlinear machine", "Encirclements of"):
@@ -169,7 +173,7 @@ def test_html_stands_alone_and_says_what_the_pdf_says(job):
     assert all(link.startswith("#") for link in found.links)
     assert not {"script", "link", "iframe", "object", "img"} & set(found.tags)
     text = " ".join("".join(found.text).split())
-    assert "Every requirement is met" in text
+    assert f"Verdict: {job.judgement.word}" in text
     for key, unit, _, _ in job.tuned.gains.quantities():
         assert shown(getattr(job.tuned.gains, key), unit) in text
     for link in job.chain:
