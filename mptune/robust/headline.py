@@ -92,8 +92,16 @@ def judge(checks: Iterable[Check], links: Sequence[Link]) -> Judgement:
     return found or _met(links)
 
 
-def judge_sweep(swept: SweepResult, *others: Link) -> Judgement:
-    """Return how a sweep's gains came out on every linear model, and on what else was run."""
+def judge_sweep(swept: SweepResult, others: Sequence[Link] = ()) -> Judgement:
+    """Return how a sweep's gains came out on every linear model, and on what else was run.
+
+    Parameters
+    ----------
+    swept
+        The sweep of the gains.
+    others
+        Further models, as the nonlinear machine.
+    """
     return judge(swept.checks, (*chain(swept), *others))
 
 

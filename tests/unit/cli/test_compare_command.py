@@ -59,7 +59,10 @@ def test_json_holds_each_entry_in_order_and_agrees_with_sweep(cli, gains, study_
     _, out, _ = cli("sweep", study_file, "--gains", low, "--json")
     alone = json.loads(out)
     assert entries[1]["sweep"]["velocity"] == alone["velocity"]
-    assert entries[0]["linear_check_index_ms"]["24500_kg"] < entries[0]["linear_check_index_ms"]["49000_kg"]
+    assert (
+        entries[0]["linear_check_index_ms"]["24500_kg"]
+        < entries[0]["linear_check_index_ms"]["49000_kg"]
+    )
 
 
 def test_gains_of_another_model_are_judged_and_what_differs_is_said(cli, gains, study_file):

@@ -182,7 +182,16 @@ def results(fig_5, unstable, load_boom):
         "change": changes(verified, verified)[0],
         "difference": Difference("oil.bulk_modulus", "1.4e9", "—"),
         "job": JobResult(
-            study, fig_5, tuned, (lost,), moves, verified, verified, links,
-            judge(fig_5.checks, links), changes(verified, verified), (row,) * 5,
+            study,
+            fig_5,
+            tuned,
+            (lost,),
+            moves,
+            verified,
+            verified,
+            links,
+            judge(fig_5.checks, links),
+            changes(verified, verified),
+            (row,) * 5,
         ),  # fmt: skip
     }
