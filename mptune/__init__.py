@@ -208,8 +208,9 @@ _HOMES = {
 __all__ = [
     "LEDGER", "PUBLISHED_GAINS", "Agreement", "Band", "Baseline", "Blocking", "Bound", "Box",
     "BoxStability", "BoxedLoop", "Bracket", "BrokenLimit", "CampaignResult", "CaseResult",
-    "CaseStatus", "Certainty", "Certificates", "Change", "Check", "Concave", "Concession", "Condition",
-    "Cone", "Design", "Difference", "Draw", "Energies", "Excitation", "Family", "FamilyLoops", "Fault",
+    "CaseStatus", "Certainty", "Certificates", "Change", "Check", "Concave", "Concession",
+    "Condition", "Cone", "Design", "Difference", "Draw", "Energies", "Excitation", "Family",
+    "FamilyLoops", "Fault",
     "Feedforward", "Figures", "Fit", "FitStatus", "ForceController", "ForceResponse",
     "FrequencyResponse", "Front", "FrontPoint", "Function", "Gains", "GainsFile", "Grounds",
     "Guarantee", "Headline", "IdentifyResult", "InputError", "Interval", "Iterate", "JobResult",

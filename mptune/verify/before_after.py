@@ -129,11 +129,7 @@ def _told(key: str, ones: Sequence[Change], mark: Mark) -> str:
     one = merit(key)
     if mark is Mark.EQUAL:
         return one.short
-    places = ", ".join(
-        f"{one.text(change.before)} → {one.text(change.after)} at {change.mass_kg / 1e3:g} t"
-        for change in ones
-    )
-    return f"{one.heading()} ({places})"
+    return f"{one.short} ({', '.join(f'{change.mass_kg / 1e3:g} t' for change in ones)})"
 
 
 def _change(

@@ -18,6 +18,7 @@ from mptune.verify.before_after import FIGURES, Mark
 if TYPE_CHECKING:
     from mptune.report.results import Results
     from mptune.verify.before_after import Change
+    from mptune.verify.result import VerifyResult
 
 _LOOKS = {Mark.BETTER: "good", Mark.WORSE: "bad"}
 
@@ -34,7 +35,7 @@ def beside_the_paper(results: Results) -> Tabular:
         for mass in masses:
             row += [_paper(key, mass), _pair(by_place[key, mass])]
         rows.append(row)
-    if results.verified:
+    if not all(verified is None or verified.satisfied for verified in _both(results)):
         stable: list[str | Cell] = ["stable runs"]
         for mass in masses:
             stable += ["—", _stable(results, mass)]
@@ -59,9 +60,13 @@ def _pair(change: Change) -> str | Cell:
     return Cell(text, _LOOKS[change.mark]) if change.mark in _LOOKS else text
 
 
+def _both(results: Results) -> tuple[VerifyResult | None, VerifyResult | None]:
+    return results.verified_before, results.verified
+
+
 def _stable(results: Results, mass: float) -> str:
     counts = []
-    for verified in (results.verified_before, results.verified):
+    for verified in _both(results):
         cases = of_mass(verified, mass)
         counts.append(f"{sum(case.stable for case in cases)} of {len(cases)}")
     return " → ".join(counts)

@@ -80,7 +80,7 @@ def tuning(tuned: TuneResult) -> list[str]:
     before, after = tuned.figures_before, tuned.figures
     loop = tuned.sweep.study.study.objective.tracking_loop
     gained = (
-        f"Study's own gains → tuned: linear tracking index ({loop} loop), worst: "
+        f"Study's own gains → tuned: worst linear tracking index ({loop} loop) "
         f"{1e3 * before.tracking:.2f} → {1e3 * after.tracking:.2f} ms, integral gain "
         f"{before.integral_gain:.3g} → {after.integral_gain:.3g} 1/s², load step "
         f"{1e6 * before.load_step:.3g} → {1e6 * after.load_step:.3g} mm/kN, bandwidth "

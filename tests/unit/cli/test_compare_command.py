@@ -103,12 +103,23 @@ def test_gains_alone_need_their_study(cli, gains):
     assert "--study" in err
 
 
-def test_a_study_s_own_gains_are_judged_on_the_model_of_study(cli, gains, study_file, root):
-    other = root / "studies" / "boom-2dof" / "study.toml"
+def test_a_study_s_own_gains_are_judged_on_the_model_of_study(cli, gains, study_file, tmp_path):
+    other = tmp_path / "other.toml"
+    lines = (f'base = "{study_file}"', "[gains]", "xi = 0.7", "[load]", 'force = "5 kN"')
+    other.write_text("\n".join(lines), encoding="utf-8")
     _, out, _ = cli("compare", gains("own"), other, "--study", study_file, "--json")
     own, moved = json.loads(out)["compared"]
     assert moved["study_hash"] == own["study_hash"]
-    assert any(one["key"].startswith("objective") for one in moved["differs"])
+    assert moved["gains"]["xi"] == 0.7
+    assert [one["key"] for one in moved["differs"]] == ["load.force"]
+
+
+def test_a_study_of_another_controller_is_refused_beside_study(cli, gains, study_file, root):
+    other = root / "studies" / "boom-2dof" / "study.toml"
+    code, _, err = cli("compare", gains("own"), other, "--study", study_file)
+    assert code == 2
+    assert "controller." in err
+    assert "another controller" in err
 
 
 def test_a_missing_file_may_be_gains_or_a_study(cli, study_file, tmp_path):

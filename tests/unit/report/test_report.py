@@ -11,10 +11,10 @@ import pytest
 
 from mptune.job.report import results_of
 from mptune.job.run import run
+from mptune.params.headline import Headline
 from mptune.params.pack import pack_gains
 from mptune.report.document import write_report
 from mptune.robust.chain import factor_text
-from mptune.params.headline import Headline
 from mptune.robust.encirclements import encirclements
 from mptune.robust.headline import Judgement
 from mptune.signals.tustin import discretise

@@ -193,5 +193,5 @@ def results(fig_5, unstable, load_boom):
             judge(fig_5.checks, links),
             changes(verified, verified),
             (row,) * 5,
-        ),  # fmt: skip
+        ),
     }

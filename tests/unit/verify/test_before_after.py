@@ -1,4 +1,4 @@
-"""Before and after on the machine: better, equal within the spread, worse; and said in a sentence."""
+"""Before and after on the machine: better, equal within the spread, or worse."""
 
 from dataclasses import replace
 
@@ -77,10 +77,8 @@ def test_a_sentence_names_every_figure_once_and_worse_at_any_mass_counts():
     before = [case(10.0), case(10.0, mass=49e3)]
     after = [case(9.0), case(11.0, mass=49e3)]
     text = in_a_sentence(changes(result(*before), result(*after)))
-    assert text.startswith(
-        "On the machine the tuned gains are worse in index [ms] (10 → 11 at 49 t)"
-    )
-    assert "9" not in text.split("49 t")[0]
+    assert text.startswith("On the machine the tuned gains are worse in index (49 t), loss (49 t),")
+    assert "24.5 t" not in text
     assert in_a_sentence(()) == ""
     said = in_a_sentence(changes(result(*before), result(*before)))
     assert said == "On the machine the tuned gains are equal in index, loss, ∫ΔF², final, switches."
