@@ -109,19 +109,19 @@ def changes(before: VerifyResult, after: VerifyResult) -> tuple[Change, ...]:
 
 
 def in_a_sentence(found: Iterable[Change]) -> str:
-    """Return what became better, worse or stayed equal on the machine; worse at any mass counts."""
-    by_figure: dict[str, list[Change]] = defaultdict(list)
+    """Return what became better and worse, with the masses, and what stayed equal at all of them."""
+    by_figure: dict[str, dict[Mark, list[Change]]] = defaultdict(lambda: defaultdict(list))
     for one in found:
-        by_figure[one.key].append(one)
-    words: dict[Mark, list[str]] = {mark: [] for mark in (Mark.WORSE, Mark.BETTER, Mark.EQUAL)}
-    for key, ones in by_figure.items():
-        mark = next((mark for mark in words if any(one.mark is mark for one in ones)), Mark.EQUAL)
-        words[mark].append(_told(key, [one for one in ones if one.mark is mark], mark))
-    said = [
-        f"{mark.value} in {', '.join(words[mark])}"
+        by_figure[one.key][one.mark].append(one)
+    words = {
+        mark: [
+            _told(key, marks[mark], mark)
+            for key, marks in by_figure.items()
+            if (set(marks) == {mark} if mark is Mark.EQUAL else mark in marks)
+        ]
         for mark in (Mark.BETTER, Mark.WORSE, Mark.EQUAL)
-        if words[mark]
-    ]
+    }
+    said = [f"{mark.value} in {', '.join(texts)}" for mark, texts in words.items() if texts]
     return f"On the machine the tuned gains are {'; '.join(said)}." if said else ""
 
 

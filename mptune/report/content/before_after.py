@@ -42,7 +42,7 @@ def beside_the_paper(results: Results) -> Tabular:
         rows.append(stable)
     columns = left("Study's own → these")
     for mass in masses:
-        columns += right(f"Paper,\n{mass / 1e3:g} t", f"{mass / 1e3:g} t")
+        columns += right(f"Paper, {mass / 1e3:g} t", f"{mass / 1e3:g} t")
     return Tabular("Before and after, beside the paper", columns, rows)
 
 

@@ -139,10 +139,10 @@ def test_a_study_s_words_are_printed_as_they_stand(load_boom, job, tmp_path, tit
 def test_report_without_some_results_leaves_only_those_out(job, tmp_path):
     bare = {"tuned": None, "verified": None, "moves": (), "moves_before": (), "chain": ()}
     bare |= {"encirclements": (), "influences": (), "changes": (), "sweep": job.published}
-    bare |= {"judgement": Judgement(Headline.NOT_MET, "so it is"), "verified_before": None}
+    bare |= {"judgement": Judgement(Headline.ON_PAPER, "so it is"), "verified_before": None}
     whole = written(tmp_path, changed(job, tmp_path))
     for text, before in zip(written(tmp_path, changed(job, tmp_path, **bare)), whole, strict=True):
-        assert "Verdict: not met" in text
+        assert "Verdict: met on paper only" in text
         assert "So it is" in text
         assert "nothing was tuned" in text
         assert "published: Table 2" in text
