@@ -109,7 +109,7 @@ def changes(before: VerifyResult, after: VerifyResult) -> tuple[Change, ...]:
 
 
 def in_a_sentence(found: Iterable[Change]) -> str:
-    """Return what became better and worse, with the masses, and what stayed equal at all of them."""
+    """Return what became better and worse, with the masses, and what stayed equal at all."""
     by_figure: dict[str, dict[Mark, list[Change]]] = defaultdict(lambda: defaultdict(list))
     for one in found:
         by_figure[one.key][one.mark].append(one)
@@ -125,11 +125,17 @@ def in_a_sentence(found: Iterable[Change]) -> str:
     return f"On the machine the tuned gains are {'; '.join(said)}." if said else ""
 
 
-def _told(key: str, ones: Sequence[Change], mark: Mark) -> str:
+def named(key: str) -> str:
+    """Return a figure's short name; the machine's index by its whole one, as others have theirs."""
     one = merit(key)
+    return one.label.lower() if key == "performance_index_ms" else one.short
+
+
+def _told(key: str, ones: Sequence[Change], mark: Mark) -> str:
+    name = named(key)
     if mark is Mark.EQUAL:
-        return one.short
-    return f"{one.short} ({', '.join(f'{change.mass_kg / 1e3:g} t' for change in ones)})"
+        return name
+    return f"{name} ({', '.join(f'{change.mass_kg / 1e3:g} t' for change in ones)})"
 
 
 def _change(

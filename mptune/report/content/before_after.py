@@ -13,7 +13,7 @@ from mptune.params.paper import (
 from mptune.report.blocks import Cell, Tabular, left, right
 from mptune.report.content.closed_loop import index_text, milliseconds, of_mass
 from mptune.sim.merit import merit
-from mptune.verify.before_after import FIGURES, Mark
+from mptune.verify.before_after import FIGURES, Mark, named
 
 if TYPE_CHECKING:
     from mptune.report.results import Results
@@ -31,7 +31,7 @@ def beside_the_paper(results: Results) -> Tabular:
         rows[0] += [milliseconds(MEASURED_INDEX_RANGE.get(mass)), _linear(results, mass)]
     by_place = {(one.key, one.mass_kg): one for one in results.changes}
     for key in FIGURES if by_place else ():
-        row: list[str | Cell] = [merit(key).heading()]
+        row: list[str | Cell] = [_heading(key)]
         for mass in masses:
             row += [_paper(key, mass), _pair(by_place[key, mass])]
         rows.append(row)
@@ -44,6 +44,11 @@ def beside_the_paper(results: Results) -> Tabular:
     for mass in masses:
         columns += right(f"Paper, {mass / 1e3:g} t", f"{mass / 1e3:g} t")
     return Tabular("Before and after, beside the paper", columns, rows)
+
+
+def _heading(key: str) -> str:
+    one = merit(key)
+    return named(key) if one.unit == "1" else f"{named(key)} [{one.printed_unit}]"
 
 
 def _linear(results: Results, mass: float) -> str:

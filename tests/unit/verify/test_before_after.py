@@ -77,10 +77,13 @@ def test_a_sentence_names_every_figure_with_the_masses_where_it_changed():
     before = [case(10.0), case(10.0, mass=49e3)]
     after = [case(9.0), case(11.0, mass=49e3)]
     text = in_a_sentence(changes(result(*before), result(*after)))
-    start = "On the machine the tuned gains are better in index (24.5 t), loss (24.5 t),"
+    start = "On the machine the tuned gains are better in performance index (24.5 t),"
     assert text.startswith(start)
-    assert "; worse in index (49 t), loss (49 t)," in text
+    assert "; worse in performance index (49 t), loss (49 t)," in text
     assert "equal" not in text
     assert in_a_sentence(()) == ""
     said = in_a_sentence(changes(result(*before), result(*before)))
-    assert said == "On the machine the tuned gains are equal in index, loss, ∫ΔF², final, switches."
+    assert (
+        said
+        == "On the machine the tuned gains are equal in performance index, loss, ∫ΔF², final, switches."
+    )
