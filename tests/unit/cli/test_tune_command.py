@@ -39,7 +39,8 @@ def test_json_of_a_comparison_and_a_front_holds_the_agreed_keys(tune, tmp_path):
     assert {
         "status", "structure", "gains", "feedforward", "gains_before", "velocity_worst_ratio",
         "position_worst_ratio", "satisfied", "objective", "binding", "rounds", "blocking",
-        "evaluations", "velocity_gain_limited_by", "compared", "front",
+        "evaluations", "velocity_gain_limited_by", "compared", "front", "verdict",
+        "verdict_reason", "witness",
     } == set(values)  # fmt: skip
     assert set(values["gains"]) == GAINS
     assert set(values["objective"]["after"]) == FIGURES
