@@ -21,9 +21,9 @@ def summary(result: JobResult) -> None:
     from mptune.job.report import found_by
 
     page, tuned = front_page(found_by(result)), result.tuned
-    first, *others = tuning(tuned)
+    first, *gained = tuning(tuned)
     run = in_a_sentence(result.changes) if result.verified else NOT_RUN
-    texts = [first, " ".join(others), factors_text(result.chain), run]
+    texts = [first, " ".join(gained), factors_text(result.chain), run]
     judged = result.judgement  # the verdict's own line names the unstable plant
     said = judged.word is Headline.ON_PAPER and judged.witness is not None
     opening(texts, () if said else page.warnings, good=tuned.blocking is None)

@@ -34,7 +34,7 @@ from mptune.robust.headline import judge
 from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep, with_radii
 from mptune.sim.sampled import linear_moves
-from mptune.tune.baselines import Baseline, baselines
+from mptune.tune.baselines import baselines
 from mptune.tune.tuner import tune
 from mptune.verify.before_after import changes
 from mptune.verify.gain_limit import as_verified, machine_gain_limit
@@ -83,6 +83,26 @@ def run(
     """
     out = Path(out)
     folder = make_folder(out / study.name)
+    result = _judged(study, folder, progress)
+    if compare:
+        progress("compare", 0.0)
+        compared = baselines(study, result.tuned, progress)
+        more = compared_files(folder, study, compared)
+        result = replace(result, compared=compared, files=(*result.files, *more))
+    progress("figures", 0.0)
+    counts = encirclements(result.tuned.sweep)
+    figures, picture = draw(result, counts)
+    files = [*result.files]
+    files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
+    files.append(write_whole(out / f"{study.name}.png", picture))
+    progress("report", 0.0)
+    files += report(out, result, counts, figures)
+    progress("report", 1.0)
+    return replace(result, files=tuple(files))
+
+
+def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult:
+    """Tune, judge on every model, and write sweep, gains and traces."""
     with precompiling() as simulator_ready:
         progress("sweep", 0.0)
         published = sweep(study)
@@ -98,24 +118,19 @@ def run(
         runs = judgement.word in _WORTH_RUNNING
         if runs:
             simulator_ready()
-    exported = write_gains(
-        folder / "gains.toml", gains_file(tuned.sweep, tuned.feedforward, moves, None, judgement)
-    )
+    linear = gains_file(tuned.sweep, tuned.feedforward, moves, None, judgement)
+    exported = write_gains(folder / "gains.toml", linear)
     files = [write_sweep(folder / "sweep.nc", tuned.sweep), exported]
     verified, before = _verified(study, exported, progress) if runs else (None, None)
     if verified is not None:
+        progress("chain", 0.0)
         machine = machine_gain_limit(study, verified.gains, verified.feedforward, progress)
         links = (*links, as_verified(machine, verified))
         judgement = judge(tuned.sweep.checks, links)
-        file = gains_file(tuned.sweep, tuned.feedforward, moves, verified, judgement)
-        write_gains(exported, file)
+        whole = gains_file(tuned.sweep, tuned.feedforward, moves, verified, judgement)
+        write_gains(exported, whole)
         files.append(write_traces(folder / "traces.nc", verified))
-    compared: tuple[Baseline, ...] = ()
-    if compare:
-        progress("compare", 0.0)
-        compared = baselines(study, tuned, progress)
-        files += compared_files(folder, study, compared)
-    result = JobResult(
+    return JobResult(
         study=study,
         published=published,
         tuned=tuned,
@@ -126,17 +141,8 @@ def run(
         chain=links,
         judgement=judgement,
         changes=changes(before, verified) if before and verified else (),
-        compared=compared,
+        files=tuple(files),
     )
-    progress("figures", 0.0)
-    counts = encirclements(tuned.sweep)
-    figures, picture = draw(result, counts)
-    files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
-    files.append(write_whole(out / f"{study.name}.png", picture))
-    progress("report", 0.0)
-    files += report(out, result, counts, figures)
-    progress("report", 1.0)
-    return replace(result, files=tuple(files))
 
 
 def _verified(

@@ -83,7 +83,5 @@ def test_a_sentence_names_every_figure_with_the_masses_where_it_changed():
     assert "equal" not in text
     assert in_a_sentence(()) == ""
     said = in_a_sentence(changes(result(*before), result(*before)))
-    assert (
-        said
-        == "On the machine the tuned gains are equal in performance index, loss, ∫ΔF², final, switches."
-    )
+    figures = "performance index, loss, ∫ΔF², final, switches"
+    assert said == f"On the machine the tuned gains are equal in {figures}."
