@@ -166,6 +166,35 @@ def number(value: float, digits: int = 4) -> str:
     return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
 
 
+_DECIMAL = re.compile(r"(?<![\w.])[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?(?![\w.])")
+_ALL_DIGITS = 17  # tell any two floats apart
+
+
+def exact(value: float) -> str:
+    """Return the shortest decimal that reads back as this value: a limit, as it was written."""
+    return repr(value).removesuffix(".0")
+
+
+def number_beside(value: float, limits: str, digits: int = 4) -> str:
+    """Return a number for print, with as many digits as it needs to differ from its limits.
+
+    Parameters
+    ----------
+    value
+        The number.
+    limits
+        The limits as they are printed beside it, such as ``"≤ 0.48"`` or ``"2 … 5 1/s"``.
+    digits
+        Significant digits where they suffice.
+    """
+    others = [float(text) for text in _DECIMAL.findall(limits)]
+    for more in range(digits, _ALL_DIGITS):
+        text = number(value, more)
+        if all(one == value or text != number(one, more) for one in others):
+            return text
+    return exact(value)
+
+
 def shown(value: Any, unit: str, *, ranged: bool = False) -> str:
     """Return a quantity in SI in the unit that people read it in.
 

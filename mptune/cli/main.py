@@ -1,7 +1,7 @@
 """The commands, and how their ends become exit statuses.
 
-0: done, every requirement met. 1: done, some requirement not met. 2: bad input or usage. 3: could
-not finish. 130: interrupted.
+0: done, and the verdict is *met*. 1: done, and it is another. 2: bad input or usage. 3: could not
+finish. 130: interrupted.
 
 Only typer is imported here, so that ``--help`` answers at once.
 """
@@ -72,20 +72,28 @@ def sweep(
     """Draw and store both sides of both inequalities over the grid."""
     from mptune.cli import show
     from mptune.cli.study import load_study, with_warnings
+    from mptune.job.gains import with_gains
     from mptune.job.sweep import sweep_study
-    from mptune.params.gains import read_gains
+    from mptune.robust.headline import judge
 
-    loaded = load_study(study, override or (), uncertainty)
-    chosen = read_gains(gains, loaded.hash()).gains if gains else None
+    loaded, _, differs = with_gains(load_study(study, override or (), uncertainty), gains)
     with show.progress(quiet=quiet) as report:
-        result, links, files = sweep_study(loaded, chosen, out, report)
+        result, links, files = sweep_study(loaded, None, out, report)
+    judgement = judge(result.checks, links)
     if json:
-        values = {**result.json(), "chain": [link.json() for link in links]}
+        values = {
+            **judgement.json(),
+            **result.json(),
+            "chain": [link.json() for link in links],
+            "differs": [one.json() for one in differs],
+        }
         show.as_json(with_warnings(values, loaded))
     else:
+        show.headline(judgement)
+        show.elsewhere(differs)
         show.sweep(result, links)
         show.files(files)
-    finish(met=result.satisfied)
+    finish(met=judgement.met)
 
 
 @app.command()
@@ -106,13 +114,15 @@ def verify(
 
     loaded = load_study(study, override or (), uncertainty)
     with show.progress(quiet=quiet) as report:
-        result, files = verify_study(loaded, gains, out, report, force=force)
+        result = verify_study(loaded, gains, out, report, force=force)
     if json:
         show.as_json(with_warnings(result.json(), loaded))
     else:
-        show.verified(result)
-        show.files(files)
-    finish(met=result.satisfied)
+        show.headline(result.judgement)
+        show.elsewhere(result.differs)
+        show.verified(result.verified)
+        show.files(result.files)
+    finish(met=result.judgement.met)
 
 
 app.command()(tune)

@@ -57,5 +57,5 @@ OUT = Path("reports")
 
 
 def finish(*, met: bool) -> NoReturn:
-    """Leave with status 0 where every requirement is met, else 1."""
+    """Leave with status 0 where the verdict is *met*, else 1."""
     raise typer.Exit(0 if met else _NOT_MET)

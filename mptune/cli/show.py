@@ -16,17 +16,21 @@ from rich.progress import (
 from rich.progress import Progress as Bars
 
 from mptune.cli.interrupt import interruptible
-from mptune.cli.terminal import as_json, files, opening, show
+from mptune.cli.terminal import as_json, files, opening, say, show
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
+    from mptune.params.judged_on import Difference
     from mptune.progress import Progress
     from mptune.robust.chain import Link
+    from mptune.robust.headline import Judgement
     from mptune.robust.result import SweepResult
     from mptune.verify.result import VerifyResult
 
-__all__ = ["as_json", "bars", "files", "ledger", "progress", "sweep", "verified"]
+__all__ = [
+    "as_json", "bars", "elsewhere", "files", "headline", "ledger", "progress", "sweep", "verified",
+]  # fmt: skip
 
 
 @contextmanager
@@ -58,6 +62,22 @@ def progress(*, quiet: bool) -> Iterator[Progress]:
                 made.update(tasks[stage], total=1.0, completed=share)
 
         yield report
+
+
+def headline(judgement: Judgement) -> None:
+    """Print the verdict with its reason, which comes first wherever gains are judged."""
+    from mptune.report.blocks import verdict
+    from mptune.report.content.front import verdict_line
+
+    say(verdict(verdict_line(judgement), good=judgement.met))
+
+
+def elsewhere(found: Sequence[Difference]) -> None:
+    """Print in what a model differs from the one that gains were made for, if in anything."""
+    from mptune.report.content.front import differs
+
+    if found:
+        show(differs(found))
 
 
 def sweep(result: SweepResult, chain: tuple[Link, ...] = ()) -> None:

@@ -27,6 +27,7 @@ _CONSTANTS = """\
 #define MPTUNE_TICKS {ticks}U /* T_S / T_S,fast: steps per decision */
 #define MPTUNE_STATES {states}U /* valve states of one side, Eq. 6 */
 #define MPTUNE_MARGINS_SATISFIED {trusted} /* 0 where the export was forced */
+#define MPTUNE_VERDICT "{verdict}"
 #define MPTUNE_STUDY_HASH "{hash}"
 #define MPTUNE_VERSION "{version}"
 #define MPTUNE_DATE "{date}"
@@ -112,6 +113,7 @@ def _constants(controller: TargetController) -> str:
         ticks=numbers.ticks,
         states=len(search_space().first),
         trusted=int(controller.trusted),
+        verdict=controller.word,
         hash=provenance["study_hash"],
         version=provenance["version"],
         date=provenance["date"],

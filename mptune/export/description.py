@@ -97,6 +97,7 @@ def build_description(sources: Sequence[str], flags: Sequence[str]) -> str:
 def _root(controller: TargetController, fmi: str, **identity: str) -> ET.Element:
     provenance = controller.provenance()
     texts = [f"{key}: {value}" for key, value in provenance.items()]
+    texts.append(f"verdict: {controller.word} ({controller.reason})")
     texts.append(f"margins as written: {controller.verdict}")
     if not controller.trusted:
         texts = [*WARNING, *texts]

@@ -59,6 +59,8 @@ def _verdict(controller: TargetController) -> dict[str, Any]:
         for one in controller.verdicts()
     ]
     return {
+        "verdict": controller.word.value,
+        "reason": controller.reason,
         "margins": controller.verdict,
         "margins_in_gains_file": controller.source.margins,
         "closed_loop": controller.source.closed_loop,

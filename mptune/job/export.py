@@ -52,6 +52,8 @@ class ExportResult:
         one = self.controller
         return {
             **one.provenance(),
+            "verdict": one.word.value,
+            "verdict_reason": one.reason,
             "margins": one.verdict,
             "closed_loop": one.source.closed_loop,
             "requirements": one.verdicts(),
@@ -116,7 +118,7 @@ def export(
         fault = Fault(
             "margins",
             controller.verdict,
-            "is what the numbers come to as written",
+            f"is what the numbers come to as written ({controller.word}: {controller.reason})",
             "tune again, or insist with --force",
         )
         raise InputError(gains, fault)

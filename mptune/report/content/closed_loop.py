@@ -59,7 +59,7 @@ def linear_check(results: Results) -> Chapter | None:
         Figure("The movement set, for each mass the machine with the largest index.", "moves"),
         movement_sets(results.moves_before, results.moves),
         Note(
-            "Performance index: peak position error over peak velocity. Predicted, without "
+            "Linear-check index: peak position error over peak velocity. Predicted, without "
             "fitting. Load force carried by the integrator from the start; dead zone and stop "
             "logic left out."
         ),
@@ -80,7 +80,8 @@ def movement_sets(own: Sequence[LinearMove], moves: Sequence[LinearMove]) -> Tab
         ]
         for case, before in zip(moves, own, strict=True)
     ]
-    index = ("Index [ms]\nown gains", "Index [ms]\nthese gains", "Index [ms]\npaper")
+    title = "Linear-check\nindex [ms]"
+    index = (f"{title}\nown gains", f"{title}\nthese gains", "Index [ms]\npaper")
     columns = right("Mass", "Delay", "Oil", *index)
     return Tabular("Linear check: sampled loop with its filters", columns, rows)
 
