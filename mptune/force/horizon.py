@@ -163,9 +163,7 @@ def best_ahead(
         )
     costs, pairs = np.empty(number), np.zeros(number, np.int64)
     width = settings.error_width
-    found = cheapest_pairs(
-        wanted, width, rows[SIDE_A], rows[SIDE_B], least[SIDE_B], costs, pairs
-    )
+    found = cheapest_pairs(wanted, width, rows[SIDE_A], rows[SIDE_B], least[SIDE_B], costs, pairs)
     if steps == 0:
         return pairs[0] // STATES, pairs[0] % STATES
     position += velocity * settings.sampling_period
