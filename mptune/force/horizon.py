@@ -25,7 +25,7 @@ import numpy as np
 from mptune.arrays import FloatArray, IntArray, kernel
 from mptune.force.dynamic import look_ahead
 from mptune.force.estimator import SIDE_A, SIDE_B
-from mptune.force.ports import COMMON, COST, FORCE, PRESSURE, ROW, STATES, ports_of
+from mptune.force.ports import BARRED, COMMON, COST, FORCE, PRESSURE, ROW, STATES, ports_of
 from mptune.force.steady import settle
 
 if TYPE_CHECKING:
@@ -59,7 +59,7 @@ def cheapest_pairs(
 
     Of several equal ones the first comes first. Returned is how many there are.
     """
-    found, worst = 0, np.inf  # worst: of a full list
+    found, worst = 0, BARRED  # of a full list, its dearest
     for a in range(STATES):
         if row_a[COST, a] + least_b >= worst:
             continue
@@ -67,7 +67,7 @@ def cheapest_pairs(
             error = wanted - (row_a[FORCE, a] - row_b[FORCE, b])
             total = counted(error, width) + abs(row_a[COMMON, a] + row_b[COMMON, b])
             total = total + row_a[COST, a] + row_b[COST, b]  # Eq. 7
-            if total >= worst:
+            if not total < worst:
                 continue
             place = found if found < len(costs) else found - 1
             while place > 0 and total < costs[place - 1]:
@@ -93,13 +93,13 @@ def least_pair(
 ) -> float:
     """Return the least cost of all pairs; pairs that with ``before`` reach ``best`` may be skipped.
 
-    Where all are skipped it is infinite. ``scratch`` is ``(28,)``: the least of each of B's states,
+    Where all are skipped it is ``BARRED``. ``scratch`` is ``(28,)``: the least of each of B's states,
     so that all of them are looked at in a few instructions.
     """
     force_b, cost_b, common_b = row_b[FORCE], row_b[COST], row_b[COMMON]
     slope, half = (0.5 / width if width > 0 else 0.0), 0.5 * width
     for b in range(STATES):
-        scratch[b] = np.inf
+        scratch[b] = BARRED
     for a in range(STATES):
         force, cost, common = row_a[FORCE, a], row_a[COST, a], row_a[COMMON, a]
         if before + (cost + least_b) >= best:
@@ -110,9 +110,10 @@ def least_pair(
             total = (square if size < width else line) + abs(common + common_b[b])
             total = total + cost + cost_b[b]  # Eq. 7
             scratch[b] = total if total < scratch[b] else scratch[b]
-    least = np.inf
+    least = BARRED
     for b in range(STATES):
-        least = min(least, scratch[b])
+        if scratch[b] < least:
+            least = scratch[b]
     return least
 
 
@@ -168,7 +169,7 @@ def best_ahead(
         return pairs[0] // STATES, pairs[0] % STATES
     position += velocity * settings.sampling_period
     where = np.zeros((_SIDES, STATES), np.int64)  # 0 where not met: row 0 is none of these
-    met, best, chosen = _SIDES, np.inf, pairs[0]
+    met, best, chosen = _SIDES, BARRED, pairs[0]
     for k in range(found):
         for side in range(_SIDES):
             state = pairs[k] // STATES if side == SIDE_A else pairs[k] % STATES

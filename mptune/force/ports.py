@@ -82,7 +82,7 @@ def finish_row(
     row
         ``(4, 28)``; pressures and costs of the flows in, everything out.
     """
-    least = np.inf
+    least = BARRED
     half = 0.5 * settings.weight_common_mode
     for state in range(STATES):
         after = row[PRESSURE, state]
@@ -92,5 +92,6 @@ def finish_row(
         row[FORCE, state] = area * after
         row[COST, state] = total
         row[COMMON, state] = half * (after - middle)
-        least = min(least, total)
+        if total < least:
+            least = total
     return least

@@ -116,13 +116,15 @@ def _check(study: ResolvedStudy) -> None:
 def check_delay(study: ResolvedStudy, key: str, longest: float) -> None:
     """Refuse a valve delay [s] that the sampling period does not exceed.
 
+    The steady-state decision looks at no instant, so that it may be slower than its valves.
+
     Raises
     ------
     InputError
         Naming ``key``.
     """
     period = study.study.controller.sampling_period
-    if longest >= period:
+    if longest >= period and study.study.controller.force_model == "dynamic":
         raise InputError(
             study.name,
             Fault(
