@@ -16,7 +16,7 @@ from rich.progress import (
 from rich.progress import Progress as Bars
 
 from mptune.cli.interrupt import interruptible
-from mptune.cli.terminal import as_json, files, opening, show
+from mptune.cli.terminal import as_json, files, opening, say, show
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -77,9 +77,10 @@ def sweep(result: SweepResult, chain: tuple[Link, ...] = ()) -> None:
 
 def verified(result: VerifyResult) -> None:
     """Print each machine's figures and status."""
-    from mptune.report.content.closed_loop import machines
+    from mptune.report.content.closed_loop import busiest_valve, machines
 
     show(machines(result))
+    say(busiest_valve(result))
 
 
 def ledger() -> None:

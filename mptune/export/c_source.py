@@ -26,7 +26,7 @@ _CONSTANTS = """\
 #define MPTUNE_SINGLE_PRECISION {single}
 #define MPTUNE_TICKS {ticks}U /* T_S / T_S,fast: steps per decision */
 #define MPTUNE_STATES {states}U /* valve states of one side, Eq. 6 */
-#define MPTUNE_CANDIDATES {candidates}U /* places for pairs looked at two periods ahead, at least 1 */
+#define MPTUNE_CANDIDATES {candidates}U /* pairs looked at two periods ahead; at least 1 */
 #define MPTUNE_MARGINS_SATISFIED {trusted} /* 0 where the export was forced */
 #define MPTUNE_STUDY_HASH "{hash}"
 #define MPTUNE_VERSION "{version}"

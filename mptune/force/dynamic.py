@@ -103,10 +103,8 @@ def look_ahead(
         drop_1, drop_2 = high_1[i] - after[i], high_2[i] - after[i]
         ends = now_1 * (high_1[i] - pressure) + then_1 * drop_1
         ends += now_2 * (high_2[i] - pressure) + then_2 * drop_2
-        if along:
-            loss = 0.5 * step * (scale * lost[i])  # Eq. 8 over each of Eq. 5's steps
-        else:
-            loss = 0.5 * period * ends  # Eq. 8
+        steps = 0.5 * step * (scale * lost[i])  # Eq. 8 over each of Eq. 5's steps
+        loss = steps if along else 0.5 * period * ends  # Eq. 8
         drawn_1 = share * then_1 + (1 - share) * now_1
         drawn_2 = share * then_2 + (1 - share) * now_2
         conversion = -(drawn_1 * cube_1[i] + drawn_2 * cube_2[i])

@@ -6,8 +6,8 @@ where asked for::
     J = ρ(F_ref − F̂) + W_cm |(p̂_A + p̂_B)/2 − p_mid| + cost of A's state + cost of B's state
     ρ(e) = e²/(2 f_0) below f_0, else |e| − f_0/2
 
-Two periods ahead, the n combinations cheapest by J_1 are carried on by one more period each, and the
-least J_1 + min J_2 wins; velocity, supplies, converters and F_ref are held meanwhile. It is exact
+Two periods ahead, the n combinations cheapest by J_1 are carried on by one more period each and
+the least J_1 + min J_2 wins; velocity, supplies, converters and F_ref are held meanwhile. It is exact
 for these n: what is skipped is skipped by a bound. As sums round monotonically, neither
 
     min J_2 ≥ least cost of A's states + least cost of B's       nor
@@ -93,8 +93,8 @@ def least_pair(
 ) -> float:
     """Return the least cost of all pairs; pairs that with ``before`` reach ``best`` may be skipped.
 
-    Where all are skipped it is ``BARRED``. ``scratch`` is ``(28,)``: the least of each of B's states,
-    so that all of them are looked at in a few instructions.
+    Where all are skipped it is ``BARRED``. ``scratch`` is ``(28,)``: the least of each of B's
+    states, so that all of them are looked at in a few instructions.
     """
     force_b, cost_b, common_b = row_b[FORCE], row_b[COST], row_b[COMMON]
     slope, half = (0.5 / width if width > 0 else 0.0), 0.5 * width
@@ -112,8 +112,7 @@ def least_pair(
             scratch[b] = total if total < scratch[b] else scratch[b]
     least = BARRED
     for b in range(STATES):
-        if scratch[b] < least:
-            least = scratch[b]
+        least = min(least, scratch[b])
     return least
 
 

@@ -92,6 +92,5 @@ def finish_row(
         row[FORCE, state] = area * after
         row[COST, state] = total
         row[COMMON, state] = half * (after - middle)
-        if total < least:
-            least = total
+        least = min(least, total)
     return least

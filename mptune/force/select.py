@@ -8,7 +8,6 @@ import numpy as np
 
 from mptune.arrays import FloatArray, kernel
 from mptune.force.cost import side_costs
-from mptune.force.horizon import best_ahead
 from mptune.force.estimator import (
     SIDE_A,
     SIDE_B,
@@ -16,6 +15,7 @@ from mptune.force.estimator import (
     predict,
     stiffness_path,
 )
+from mptune.force.horizon import best_ahead
 
 if TYPE_CHECKING:
     from mptune.force.search_space import SearchSpace

@@ -44,7 +44,7 @@ class Controller(Section):
     )
     error: Literal["absolute", "huber"] = Field(
         "absolute",
-        description="how Eq. 7 counts the force error: linearly, or by its square where it is small",
+        description="how Eq. 7 counts the force error: linearly, or squared where it is small",
     )
     error_width: float = quantity(
         "N", "f_0", "force error from which Huber's count is linear", 2000.0, above=0
@@ -53,8 +53,8 @@ class Controller(Section):
         "ends", description="where Eq. 8 takes the losses: at both ends, or along Eq. 5's steps"
     )
     horizon: Literal[1, 2] = Field(1, description="sampling periods that a decision looks ahead")
-    candidates: int = Field(
-        6, ge=1, le=784, description="cheapest combinations of which two periods are looked at"
+    candidates: int = quantity(
+        "1", "n", "combinations of which two periods are looked at", 6, at_least=1, at_most=784
     )
     weight_common_mode: float = quantity(
         "N/Pa", "W_cm", "weight of the mean pressure's way from mid-supply", 0.0, at_least=0

@@ -44,7 +44,7 @@ def exact(side, p, x, v, supplies, state, settings, space):
 
 
 def test_along_the_path_it_lies_nearer_to_what_is_throttled(load_boom):
-    """A pressure settles in a few ms: the ends alone take its first, large power for half of T_S."""
+    """A pressure settles in a few ms: the ends take its first, large power for half of T_S."""
     random = np.random.default_rng(4)
     errors = {"ends": [], "path": []}
     for number in range(6):

@@ -1,4 +1,4 @@
-"""The decision of ref. 16: pressures that the chamber settles at, and what a change of them costs."""
+"""The decision of ref. 16: settled pressures, and what a change of pressure costs."""
 
 import numpy as np
 import pytest

@@ -35,7 +35,7 @@ ALL = STATES * STATES
 
 
 def plain(case, space, settings):
-    """The decision without a bound, a list or a row kept: numpy over all pairs, on the same rows."""
+    """The decision without bounds or lists: numpy over all pairs, on the same rows."""
     ports = ports_of(case["supplies"], case["converters"], space)
     x, v, wanted, width = case["x"], case["v"], case["wanted"], settings.error_width
 
