@@ -94,6 +94,7 @@ def look_ahead(
             power += n_1[i] * then_1 * (high_1[i] - q) + n_2[i] * then_2 * (high_2[i] - q)
             lost[i] += power
             after[i], root_1[i], root_2[i] = q, then_1, then_2
+    pressures, costs = row[PRESSURE], row[COST]
     along = settings.path_loss > 0
     share = settings.predicted_share
     for i in range(STATES):
@@ -108,7 +109,7 @@ def look_ahead(
         drawn_1 = share * then_1 + (1 - share) * now_1
         drawn_2 = share * then_2 + (1 - share) * now_2
         conversion = -(drawn_1 * cube_1[i] + drawn_2 * cube_2[i])
-        row[PRESSURE, i] = after[i]
-        row[COST, i] = settings.weight_loss * loss + settings.weight_converter * conversion
+        pressures[i] = after[i]
+        costs[i] = settings.weight_loss * loss + settings.weight_converter * conversion
     area = settings.area_a if side == SIDE_A else settings.area_b
     return finish_row(area, present, ports.middle, space, settings, row)

@@ -7,8 +7,8 @@ where asked for::
     ρ(e) = e²/(2 f_0) below f_0, else |e| − f_0/2
 
 Two periods ahead, the n combinations cheapest by J_1 are carried on by one more period each and
-the least J_1 + min J_2 wins; velocity, supplies, converters and F_ref are held meanwhile. It is exact
-for these n: what is skipped is skipped by a bound. As sums round monotonically, neither
+the least J_1 + min J_2 wins; velocity, supplies, converters and F_ref are held meanwhile. That is
+exact for these n: what is skipped is skipped by a bound. As sums round monotonically, neither
 
     min J_2 ≥ least cost of A's states + least cost of B's       nor
     J_2 ≥ cost of A's state + least cost of B's

@@ -82,15 +82,17 @@ def finish_row(
     row
         ``(4, 28)``; pressures and costs of the flows in, everything out.
     """
+    force, cost, common, pressure = row[FORCE], row[COST], row[COMMON], row[PRESSURE]
+    switches = space.switches[present]
     least = BARRED
     half = 0.5 * settings.weight_common_mode
     for state in range(STATES):
-        after = row[PRESSURE, state]
-        total = settings.weight_switching * space.switches[present, state] + row[COST, state]
+        after = pressure[state]
+        total = settings.weight_switching * switches[state] + cost[state]
         if after < settings.pressure_min or after > settings.pressure_max:
             total += OUT_OF_RANGE
-        row[FORCE, state] = area * after
-        row[COST, state] = total
-        row[COMMON, state] = half * (after - middle)
+        force[state] = area * after
+        cost[state] = total
+        common[state] = half * (after - middle)
         least = min(least, total)
     return least
