@@ -204,10 +204,9 @@ static uint32_t cheapest_pairs(
             const mptune_real total = pair_cost(wanted, a, i, b, j);
             if (total < worst) {
                 uint32_t place = found;
-                while ((place > 0U) && (total < costs[place - 1U])) {
+                for (; (place > 0U) && (total < costs[place - 1U]); place--) {
                     costs[place] = costs[place - 1U];
                     pairs[place] = pairs[place - 1U];
-                    place--;
                 }
                 costs[place] = total;
                 pairs[place] = MPTUNE_STATES * i + j;

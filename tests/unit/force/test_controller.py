@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-
 from deciding import chosen, states
 
 from mptune.errors import MptuneError
