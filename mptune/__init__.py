@@ -10,7 +10,9 @@ Equation   Module
 4          ``mptune.plant.bulk``
 5          ``mptune.force.estimator``
 6          ``mptune.force.search_space``
-7, 8       ``mptune.force.cost``, ``mptune.force.select``
+7, 8       ``mptune.force.cost``, ``mptune.force.select``; beyond the paper's
+           own decision ``mptune.force.horizon``, ``mptune.force.dynamic``,
+           ``mptune.force.steady``
 9, 10      ``mptune.force.stop``
 11, 12     ``mptune.loops.force_dynamics``
 14-16, 18  ``mptune.loops.velocity``

@@ -97,9 +97,10 @@ def sweep(result: SweepResult, chain: tuple[Link, ...] = ()) -> None:
 
 def verified(result: VerifyResult) -> None:
     """Print each machine's figures and status."""
-    from mptune.report.content.closed_loop import machines
+    from mptune.report.content.closed_loop import busiest_valve, machines
 
     show(machines(result))
+    say(busiest_valve(result))
 
 
 def ledger() -> None:

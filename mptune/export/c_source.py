@@ -26,6 +26,7 @@ _CONSTANTS = """\
 #define MPTUNE_SINGLE_PRECISION {single}
 #define MPTUNE_TICKS {ticks}U /* T_S / T_S,fast: steps per decision */
 #define MPTUNE_STATES {states}U /* valve states of one side, Eq. 6 */
+#define MPTUNE_CANDIDATES {candidates}U /* pairs looked at two periods ahead; at least 1 */
 #define MPTUNE_MARGINS_SATISFIED {trusted} /* 0 where the export was forced */
 #define MPTUNE_VERDICT "{verdict}"
 #define MPTUNE_STUDY_HASH "{hash}"
@@ -112,6 +113,7 @@ def _constants(controller: TargetController) -> str:
         single=int(numbers.precision is Precision.FLOAT),
         ticks=numbers.ticks,
         states=len(search_space().first),
+        candidates=max(round(numbers.value("candidates")), 1),
         trusted=int(controller.trusted),
         verdict=controller.word,
         hash=provenance["study_hash"],

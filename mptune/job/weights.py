@@ -20,7 +20,10 @@ if TYPE_CHECKING:
 
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
+    from mptune.weigh.recommend import Recommendation
     from mptune.weigh.result import WeightsResult
+
+_ALWAYS = Weights._fields[:6]  # the rest is written where it was searched
 
 
 def weights_study(
@@ -80,6 +83,11 @@ def _rows(result: WeightsResult) -> list[dict[str, Any]]:
     ]
 
 
+def _changed(found: Recommendation, name: str) -> bool:
+    """Return whether the recommended value is another than the study's own."""
+    return bool(getattr(found.trial.weights, name) != getattr(found.own.weights, name))
+
+
 def _section(result: WeightsResult) -> str:
     """Return the recommended weights as they stand in a study."""
     found = result.recommendation
@@ -90,8 +98,9 @@ def _section(result: WeightsResult) -> str:
     document.add(tomlkit.comment("Gains belong to their weights: sweep or tune again with these."))
     table = tomlkit.table()
     for name, unit, symbol, meaning in Controller.quantities():
-        if name in Weights._fields:
-            item = tomlkit.item(f"{getattr(found.trial.weights, name):.6g} {unit}")
+        if name in Weights._fields and (name in _ALWAYS or _changed(found, name)):
+            value = getattr(found.trial.weights, name)
+            item = tomlkit.item(value if unit == "1" else f"{value:.6g} {unit}")
             item.comment(f"{symbol}, {meaning}")
             table.add(name, item)
     document.add("controller", table)

@@ -42,6 +42,39 @@ class Controller(Section):
     weight_converter: float = quantity(
         "N s/m^6", "W_conv", "weight of converter piston positions", at_least=0
     )
+    error: Literal["absolute", "huber"] = Field(
+        "absolute",
+        description="how Eq. 7 counts the force error: linearly, or squared where it is small",
+    )
+    error_width: float = quantity(
+        "N", "f_0", "force error from which Huber's count is linear", 2000.0, above=0
+    )
+    loss: Literal["ends", "path"] = Field(
+        "ends", description="where Eq. 8 takes the losses: at both ends, or along Eq. 5's steps"
+    )
+    horizon: Literal[1, 2] = Field(1, description="sampling periods that a decision looks ahead")
+    candidates: int = quantity(
+        "1", "n", "combinations of which two periods are looked at", 6, at_least=1, at_most=784
+    )
+    weight_common_mode: float = quantity(
+        "N/Pa", "W_cm", "weight of the mean pressure's way from mid-supply", 0.0, at_least=0
+    )
+    force_model: Literal["dynamic", "steady-state"] = Field(
+        "dynamic", description="pressures that a state is judged by: after T_S, or once settled"
+    )
+    weight_compression: float = quantity(
+        "N/J", "W_comp", "weight of compression energy, steady-state decision only", 0.0, at_least=0
+    )
+
+    @model_validator(mode="after")
+    def _compression_is_weighed(self) -> Self:
+        if self.weight_compression > 0 and self.force_model == "dynamic":
+            refuse(
+                f"has a weight_compression of {self.weight_compression:g} N/J, which only the "
+                "steady-state decision knows",
+                'set it to "0 N/J", or force_model = "steady-state"',
+            )
+        return self
 
     @model_validator(mode="after")
     def _periods_fit(self) -> Self:

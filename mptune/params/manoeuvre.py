@@ -128,6 +128,10 @@ class Verification(Section):
     load_forces: tuple[float, ...] = quantity("N", "F_load", "load forces; load.force", ())
     seeds: tuple[int, ...] = quantity("1", "seed", "seeds of the random numbers", (1,))
     repeats: int = quantity("1", "n", "movement sets per case", 1, at_least=1)
+    duty: float = quantity(
+        "1", "η", "share of the year in which the machine does these moves", 0.1,
+        above=0, at_most=1,
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _delay_pairs_are_ordered(self) -> Self:

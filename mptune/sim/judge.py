@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from mptune.sim.record import RunRecord
 
 _DEVIATION = 0.2  # of the peak reference velocity: a larger one counts as a swing
+_YEAR = 365.25 * 86400.0  # s
 _PERIOD = 0.25  # s: swings further apart are no oscillation
 LIMIT_CYCLE_SWINGS = 8  # alternating swings in a row
 
@@ -53,6 +54,7 @@ class SetFigures:
     energy_residual: float  # what the energies fail to close by, over the energy put in
     oscillation: int  # longest run of alternating large velocity deviations
     saturated_s: float  # time with the force reference at its limit
+    busiest_valve_per_s: float = np.nan  # switches of the valve that switches most
 
 
 def set_figures(record: RunRecord) -> SetFigures:
@@ -64,6 +66,7 @@ def set_figures(record: RunRecord) -> SetFigures:
     pressures = np.array([np.nan]) if record.pressures is None else record.pressures
     converters = np.array([np.nan]) if record.converters is None else record.converters
     error, velocity = record.error, record.velocity
+    duration = tick * len(error)
     return SetFigures(
         performance_index_ms=1e3 * performance_index(error, velocity),
         energy_loss_j_per_mm=record.energies.loss / travel,
@@ -78,7 +81,21 @@ def set_figures(record: RunRecord) -> SetFigures:
         energy_residual=record.energies.residual,
         oscillation=longest_oscillation(velocity, record.velocity_reference, tick),
         saturated_s=float(at_limit.sum()) * tick,
+        busiest_valve_per_s=np.nan if record.busiest is None else record.busiest / duration,
     )
+
+
+def per_year(per_second: float, duty: float) -> float:
+    """Return how often in a year something happens that happens so often per second at work.
+
+    Parameters
+    ----------
+    per_second
+        While the machine works [1/s].
+    duty
+        Share of the year in which it does.
+    """
+    return per_second * duty * _YEAR
 
 
 def performance_index(error: FloatArray, velocity: FloatArray) -> float:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from mptune.params.paper import (
@@ -111,7 +112,8 @@ def nonlinear_machine(results: Results) -> Chapter | None:
         table,
         Note(
             "Means over the movement sets; final error and converter position are the largest. "
-            "Loss: accumulator power less piston power, per millimetre of travel."
+            "Loss: accumulator power less piston power, per millimetre of travel. "
+            + busiest_valve(verified)
         ),
         *_measured(verified).titled(),
         Note(
@@ -142,6 +144,20 @@ def machines(verified: VerifyResult) -> Tabular:
         wide("Status"),
     ]
     return Tabular("The nonlinear machine", columns, rows, keep=False)
+
+
+def busiest_valve(verified: VerifyResult) -> str:
+    """Return how often the valve that switches most does so, per second and per year."""
+    per_s = [case.figure("busiest_valve_per_s") for case in verified.cases]
+    known = [one for one in per_s if math.isfinite(one)]
+    if not known:
+        return "Switches of single valves were not counted."
+    duty = verified.study.study.verification.duty
+    return (
+        f"The busiest valve switches up to {number(max(known), 3)} times a second while the "
+        f"machine works, {number(verified.busiest_per_year / 1e6, 3)} million times a year at a "
+        f"duty of {100 * duty:g} %."
+    )
 
 
 def _fate(case: CaseResult) -> str:
