@@ -33,6 +33,7 @@ from mptune.cli.options import (
 from mptune.cli.run import run
 from mptune.cli.tune import tune
 from mptune.cli.weights import weights
+from mptune.escaping import printable
 
 BAD_INPUT, UNFINISHED, INTERRUPTED = 2, 3, 130
 
@@ -183,5 +184,5 @@ def _failed(error: Exception) -> int:
 
 
 def _say(text: str, code: int) -> int:
-    sys.stderr.write(f"mptune: {text}\n")
+    sys.stderr.write(f"mptune: {printable(text, keep=chr(10))}\n")
     return code

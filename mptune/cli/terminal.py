@@ -17,6 +17,7 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from mptune.escaping import printable
 from mptune.report.blocks import Cell, Tabular, verdict
 from mptune.strict import strict
 
@@ -61,7 +62,7 @@ def opening(texts: Sequence[str], warnings: Sequence[str] = (), *, good: bool = 
 def files(paths: Iterable[Path]) -> None:
     """Print what was written."""
     for path in paths:
-        console.print(Text(f"wrote {path}"), soft_wrap=True)
+        console.print(Text(printable(f"wrote {path}")), soft_wrap=True)
 
 
 def show(*blocks: Block, ruled: bool = False) -> None:
@@ -120,5 +121,5 @@ def _list(columns: Sequence[Column], rows: list[list[Text]]) -> Table:
 
 def _text(cell: str | Cell) -> Text:
     if isinstance(cell, Cell):
-        return Text(cell.text, _STYLES.get(cell.look, ""))
-    return Text(cell)
+        return Text(printable(cell.text, keep="\n"), _STYLES.get(cell.look, ""))
+    return Text(printable(cell, keep="\n"))
