@@ -82,8 +82,8 @@ def file_name(text: str) -> str:
     it was, so that two of them never meet in one file.
     """
     kept = "".join(c if c.isalnum() or c in _NAME else "_" for c in text).strip(" ").lstrip(".-")
-    kept = kept.encode()[:_NAME_BYTES].decode(errors="ignore").rstrip(" .")
-    if kept == text and kept:
+    if kept and kept == text.rstrip(".") == text and len(kept.encode()) <= _NAME_BYTES:
         return kept
     original = hashlib.sha256(text.encode("utf-8", "surrogatepass")).hexdigest()
+    kept = kept.encode()[: _NAME_BYTES - 1 - _DIGITS].decode(errors="ignore")
     return f"{kept or 'study'}-{original[:_DIGITS]}"

@@ -108,7 +108,7 @@ def _root(controller: TargetController, fmi: str, **identity: str) -> ET.Element
             "modelName": MODEL,
             "description": printable("; ".join(texts)),
             "generationTool": f"mptune {version()}",
-            "generationDateAndTime": controller.date,
+            "generationDateAndTime": printable(controller.date),
             "variableNamingConvention": "structured",
             **identity,
         },

@@ -8,12 +8,15 @@ an allowed set, and what is not in it is left out.
 from __future__ import annotations
 
 import re
+import tempfile
+from pathlib import Path
 from typing import Final
 from xml.etree import ElementTree as ET
 
 _SVG: Final = "http://www.w3.org/2000/svg"
 _XLINK: Final = "http://www.w3.org/1999/xlink"
 _LARGEST: Final = 20_000_000  # bytes
+_DEEPEST: Final = 100  # elements within elements
 _ELEMENTS: Final = frozenset(
     {"svg", "g", "defs", "pattern", "path", "use", "text", "tspan", "clipPath", "image"}
     | {"rect", "circle", "ellipse", "line", "polyline", "polygon"}
@@ -44,7 +47,8 @@ def safe_picture(svg: bytes) -> bytes:
     Raises
     ------
     ValueError
-        If it is no SVG, or declares entities, or is larger than any figure of ours.
+        If it is no SVG, or declares entities, or is larger than any figure of ours, or cannot be
+        drawn.
     """
     if len(svg) > _LARGEST:
         raise ValueError(f"is larger than {_LARGEST / 1e6:g} MB")
@@ -58,20 +62,38 @@ def safe_picture(svg: bytes) -> bytes:
         raise ValueError("is no SVG")
     copy = _copied(root)
     copy.attrib |= _JOINED  # as our figures say in a style for everything
-    return ET.tostring(copy, "unicode").encode()
+    found = ET.tostring(copy, "unicode").encode()
+    _check_drawable(found)
+    return found
+
+
+def _check_drawable(svg: bytes) -> None:
+    """Refuse a picture that the report would not compile with: one without a size, say."""
+    import typst
+
+    with tempfile.TemporaryDirectory(prefix="mptune-") as folder:
+        path = Path(folder) / "one.typ"
+        (path.parent / "one.svg").write_bytes(svg)
+        path.write_text('#image("one.svg")')
+        try:
+            typst.compile(path, root=folder, ignore_system_fonts=True)
+        except typst.TypstError as error:
+            raise ValueError(f"cannot be drawn: {error.message}") from error
 
 
 def _copied(element: ET.Element) -> ET.Element:
     """Return what is allowed of an element and of those within it; the walk is a loop."""
     top = _bare(element)
-    waiting = [(element, top)]
+    waiting = [(element, top, 0)]
     while waiting:
-        before, after = waiting.pop()
+        before, after, depth = waiting.pop()
+        if depth > _DEEPEST:
+            raise ValueError("is nested deeper than any figure")
         for inner in before:
             if _local(inner.tag) in _ELEMENTS:
                 copy = _bare(inner)
                 after.append(copy)
-                waiting.append((inner, copy))
+                waiting.append((inner, copy, depth + 1))
     return top
 
 
