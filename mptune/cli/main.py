@@ -35,6 +35,7 @@ from mptune.cli.run import run
 from mptune.cli.streams import take_streams
 from mptune.cli.tune import tune
 from mptune.cli.weights import weights
+from mptune.escaping import printable
 
 BAD_INPUT, UNFINISHED, INTERRUPTED = 2, 3, 130
 
@@ -193,5 +194,5 @@ def _failed(error: Exception) -> int:
 
 
 def _say(text: str, code: int) -> int:
-    sys.stderr.write(f"mptune: {text}\n")
+    sys.stderr.write(f"mptune: {printable(text, keep=chr(10))}\n")
     return code

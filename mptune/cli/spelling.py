@@ -35,6 +35,7 @@ _WORDS = {
     "§": "sec. ",
     "′": "'",
     _HAT: "_hat",
+    "\N{REPLACEMENT CHARACTER}": "?",
     **dict.fromkeys("‘’", "'"),
     **dict.fromkeys("“”„", '"'),
 }

@@ -20,6 +20,7 @@ from rich.table import Table
 from rich.text import Text
 
 from mptune.cli.spelling import spelt
+from mptune.escaping import printable
 from mptune.report.blocks import Cell, Tabular, verdict
 from mptune.strict import strict
 
@@ -70,7 +71,7 @@ def opening(texts: Sequence[str], warnings: Sequence[str] = (), *, good: bool = 
 def files(paths: Iterable[Path]) -> None:
     """Print what was written."""
     for path in paths:
-        console.print(_text(f"wrote {path}"), soft_wrap=True)
+        console.print(_text(printable(f"wrote {path}")), soft_wrap=True)
 
 
 def show(*blocks: Block, ruled: bool = False) -> None:
@@ -135,4 +136,4 @@ def _text(cell: str | Cell) -> Text:
 
 
 def _spelt(text: str) -> str:
-    return spelt(text, console.encoding)
+    return spelt(printable(text, keep="\n"), console.encoding)

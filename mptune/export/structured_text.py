@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.escaping import comment_text
 from mptune.export.formats import Precision
 
 if TYPE_CHECKING:
@@ -53,5 +54,5 @@ def _literal(value: float, *, single: bool) -> str:
 
 
 def _comment(lines: Iterable[str]) -> str:
-    safe = (line.replace("*)", "* )").replace("(*", "( *") for line in lines)
+    safe = map(comment_text, lines)
     return "(*\n" + "".join(f"   {line}".rstrip() + "\n" for line in safe) + "*)\n"

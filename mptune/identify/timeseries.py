@@ -16,12 +16,13 @@ import numpy as np
 
 from mptune.arrays import frozen
 from mptune.errors import Fault, InputError
+from mptune.escaping import file_name
 from mptune.identify.channels import read_channels
 from mptune.units import UnitError, label_and_unit, parse_quantity
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.identify.channels import Channel, Channels
+    from mptune.identify.channel import Channel, Channels
 
 _TIMES = ("time", "t")
 _JITTER = 0.1  # of a sample: recorders round their times
@@ -84,7 +85,7 @@ def read_record(path: str | Path, asked: Asked) -> Record:
         frozen(reference.values * _scale(path, asked.reference, reference.unit, "N")),
         frozen(force.values * _scale(path, asked.force, force.unit, "N")),
         sample_time,
-        path.stem,
+        file_name(path.stem),
     )
 
 

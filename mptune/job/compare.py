@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
+from mptune.escaping import printable
 from mptune.files import make_folder, read_text, write_whole
 from mptune.params.gains import GainsFile, read_gains
 from mptune.params.load import load_study, parse_toml
@@ -181,7 +182,7 @@ def _labels(entries: Sequence[_Entry]) -> list[str]:
     for entry in entries:
         path = entry.source.resolve()
         common = path.stem in {"gains", "study"}
-        name = path.parent.name if common else path.stem
+        name = printable(path.parent.name if common else path.stem)
         names.append(f"{name}, study's own" if entry.file is None else name)
     return [
         f"{name} ({names[: n + 1].count(name)})" if names.count(name) > 1 else name
@@ -199,8 +200,14 @@ def _judged(label: str, entry: _Entry) -> Compared:
         feedforward=feedforward,
         sweep=sweep(study, gains),
         moves=linear_moves(study, gains, feedforward),
-        recorded=file.figures.get("closed_loop", {}) if file else {},
+        recorded=_recorded(file) if file else {},
     )
+
+
+def _recorded(file: GainsFile) -> dict[str, Any]:
+    """Return the numbers that a gains file records; whatever else stands there is none."""
+    found = file.figures.get("closed_loop", {})
+    return {key: value for key, value in found.items() if isinstance(value, int | float)}
 
 
 def _drawn(found: Sequence[Compared]) -> list[tuple[str, SweepResult, tuple[LinearMove, ...]]]:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import tomlkit
 
 from mptune.campaign.workers import workers
+from mptune.escaping import comment_text
 from mptune.files import make_folder, write_whole
 from mptune.job.leftovers import keep
 from mptune.params.controller import Controller
@@ -85,8 +86,10 @@ def _section(result: WeightsResult) -> str:
     found = result.recommendation
     document = tomlkit.document()
     verdict = "dominate" if found.dominates else "do not dominate"
-    document.add(tomlkit.comment(f"Weights for {result.study.name}; they {verdict} its own:"))
-    document.add(tomlkit.comment(found.reason))
+    document.add(
+        tomlkit.comment(comment_text(f"Weights for {result.study.name}; they {verdict} its own:"))
+    )
+    document.add(tomlkit.comment(comment_text(found.reason)))
     document.add(tomlkit.comment("Gains belong to their weights: sweep or tune again with these."))
     table = tomlkit.table()
     for name, unit, symbol, meaning in Controller.quantities():

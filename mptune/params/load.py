@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, ValidationError
 
 from mptune.errors import Fault, InputError
+from mptune.escaping import file_name
 from mptune.files import read_text
 from mptune.params.format import FORMAT_KEY, STUDY_FORMAT
 from mptune.params.layers import Layers
@@ -71,7 +72,7 @@ def load_study(
         remedy = "raise uncertainty.delay, which holds that half, or write continuous"
         raise layers.refusal(Fault("objective.tracking_loop", "sampled", rule, remedy))
     return ResolvedStudy(
-        name=path.resolve().parent.name if path.stem == "study" else path.stem,
+        name=file_name(path.resolve().parent.name if path.stem == "study" else path.stem),
         study=study,
         uncertainty=chosen,
         uncertainty_name=uncertainty,
@@ -201,8 +202,13 @@ def _key_and_value(override: str) -> tuple[list[str], Any]:
     if not separator or not all(parts):
         fault = Fault("", repr(override), "is not key=value", 'write --set "load.force=5 kN"')
         raise InputError("--set", fault)
+    if override.encode(errors="replace").decode() != override:
+        raise InputError("--set", Fault("", ascii(override), "is not UTF-8", "write it anew"))
     try:
         parsed = tomllib.loads(f"value = {text}")
+    except RecursionError as error:
+        fault = Fault(key.strip(), "", "is nested too deeply", "mend its brackets")
+        raise InputError("--set", fault) from error
     except tomllib.TOMLDecodeError:
         parsed = {"value": text.strip()}  # a bare quantity: "controller.sampling_period=12 ms"
     if set(parsed) != {"value"}:

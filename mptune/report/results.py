@@ -36,6 +36,8 @@ class Leftovers:
         Fig. 3's panels of ``identify``.
     figures
         Their figures: SVG bytes by name.
+    left_out
+        What could not be used, and why, in sentences.
     """
 
     compared: tuple[dict[str, Any], ...] = ()
@@ -43,6 +45,7 @@ class Leftovers:
     weights: tuple[dict[str, Any], ...] = ()
     panels: tuple[Panel, ...] = ()
     figures: Mapping[str, bytes] | None = None
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
