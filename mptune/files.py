@@ -15,7 +15,7 @@ from mptune.errors import Fault, InputError, OutputError
 
 
 def read_text(path: str | Path, remedy: str = "check the path") -> str:
-    """Return the text of a UTF-8 file.
+    """Return the text of a UTF-8 file, without the byte-order mark that some editors write.
 
     Parameters
     ----------
@@ -30,7 +30,7 @@ def read_text(path: str | Path, remedy: str = "check the path") -> str:
         If the path is missing, is a folder, may not be read, is empty or is not UTF-8 text.
     """
     try:
-        text = Path(path).read_bytes().decode("utf-8")
+        text = Path(path).read_bytes().decode("utf-8-sig")
     except FileNotFoundError as error:
         raise InputError(path, Fault("", "", "does not exist", remedy)) from error
     except IsADirectoryError as error:

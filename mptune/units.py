@@ -24,6 +24,11 @@ _UNIT = re.compile(
     r"(?:[A-Za-zµμ°%]+(?:\s*(?:\^|\*\*)\s*-?\d(?:\.\d)?(?![\d.]))?|1(?=\s*/)|[()*/·\s])+"
 )
 _LONGEST_UNIT = 40
+_HEADING = re.compile(
+    r"(?P<label>.*?)(?P<gap>\s*)(?P<bracket>[\[(])(?P<within>[^\[\]()]*)[\])]\s*", re.DOTALL
+)
+_INDEX = re.compile(r"\s*\d+\s*(,\s*\d+\s*)*")
+_PLAIN = {"1", "-", "abs", "%"}  # units of a plain number
 
 
 class UnitError(ValueError):
@@ -75,9 +80,32 @@ def parse_quantity(text: str, unit: str) -> float:
 
 
 def label_and_unit(text: str) -> tuple[str, str]:
-    """Return name and unit of a column's heading, ``"F_ref [kN]"``; the unit may be missing."""
-    label, _, rest = text.partition("[")
-    return label.strip(), rest.rstrip().removesuffix("]").strip()
+    """Return name and unit of a column's heading, ``F_ref [kN]``; the unit may be missing.
+
+    Round brackets may stand for square ones where a unit is in them: ``Force (filtered)`` is a
+    name. Whole numbers that follow the name at once are an index, and part of it: ``u[1]``.
+    """
+    match = _HEADING.fullmatch(text)
+    if match is None or (not match["gap"] and _INDEX.fullmatch(match["within"])):
+        return text.strip(), ""
+    unit = match["within"].strip()
+    if match["bracket"] == "(" and not _is_unit(unit):
+        return text.strip(), ""
+    return match["label"].strip(), unit
+
+
+@cache
+def _is_unit(written: str) -> bool:
+    """Return whether a text is a unit of anything."""
+    if written in _PLAIN or written.lower() == "db":
+        return True
+    if len(written) > _LONGEST_UNIT or _UNIT.fullmatch(written) is None:
+        return False
+    try:
+        registry().parse_units(written)
+    except Exception:  # noqa: BLE001 - pint's parser raises whatever its tokenizer met
+        return False
+    return True
 
 
 @cache

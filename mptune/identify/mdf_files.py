@@ -15,7 +15,7 @@ from mptune.errors import Fault, InputError
 from mptune.identify.channel import Channel, Channels, check_size, unreadable
 
 if TYPE_CHECKING:
-    from collections.abc import Iterator
+    from collections.abc import Iterator, Mapping, Sequence
     from pathlib import Path
 
 _KIND: Final = "MDF file"
@@ -41,16 +41,16 @@ def mdf_channels(path: Path) -> Channels:
         raise InputError(path, fault) from error
     try:
         with mdf(path, process_bus_logging=False) as file:
-            names = tuple(sorted(file.channels_db))
+            places = _places(file.channels_db)
     except Exception as error:  # cut-off files break the reader in many ways
         raise unreadable(path, _KIND, error) from error
 
     def read(name: str) -> Channel:
         try:
             with mdf(path, process_bus_logging=False) as file:
-                group, index = file.channels_db[name][0]
+                group, index = places[name]
                 _check(path, name, file, group, index)
-                signal = file.get(name, group=group, index=index)
+                signal = file.get(group=group, index=index)
         except InputError:
             raise
         except Exception as error:  # as above
@@ -60,7 +60,22 @@ def mdf_channels(path: Path) -> Channels:
         values = signal.samples.astype(np.float64)
         return Channel(values, signal.unit or "", np.asarray(signal.timestamps, np.float64))
 
-    return Channels(names, read)
+    return Channels(tuple(sorted(places)), read)
+
+
+def _places(found: Mapping[str, Sequence[tuple[int, int]]]) -> dict[str, tuple[int, int]]:
+    """Return group and place of each channel; one that stands in several is named with its group.
+
+    ``F@2`` is the channel F of group 2, counted from 0; ``F@2.5`` the one at place 5 of that group
+    where even that holds more than one.
+    """
+    places: dict[str, tuple[int, int]] = {}
+    for name, held in found.items():
+        groups = [group for group, _ in held]
+        for group, index in held:
+            suffix = f"@{group}" if groups.count(group) == 1 else f"@{group}.{index}"
+            places[f"{name}{suffix}" if len(held) > 1 else name] = group, index
+    return places
 
 
 def _check(path: Path, name: str, file: Any, group: int, index: int) -> None:

@@ -32,7 +32,7 @@ from pydantic import Field, model_validator
 
 from mptune.errors import Fault, InputError
 from mptune.params.section import Section
-from mptune.params.table import BESIDE_STUDY, Table, read_table
+from mptune.params.table import BESIDE_STUDY, Table, read_table, without_index
 from mptune.units import UnitError, parse_quantity
 
 if TYPE_CHECKING:
@@ -176,7 +176,8 @@ def _check(path: Path, lines: tuple[int, ...], found: ResponseTable) -> None:
 def _columns(path: Path, table: Table) -> dict[str, tuple[int, float]]:
     """Return place and factor of each column by its role."""
     found: dict[str, tuple[int, float]] = {}
-    for index, (label, unit) in enumerate(zip(table.labels, table.units, strict=True)):
+    for index, written in enumerate(zip(table.labels, table.units, strict=True)):
+        label, unit = without_index(*written)
         role = next((role for role, names in _NAMES.items() if label.lower() in names), "")
         if not role or role in found:
             rule = "is read already" if role else "is no column of a frequency response"

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mptune.errors import Fault, InputError
-from mptune.params.table import BESIDE_STUDY, read_table
+from mptune.params.table import BESIDE_STUDY, read_table, without_index
 from mptune.units import UnitError, parse_quantity
 
 if TYPE_CHECKING:
@@ -90,15 +90,16 @@ def _read(path: Path, columns: Mapping[str, str], fewest: int) -> list[list[floa
 
 def _scales(path: Path, table: Table, columns: Mapping[str, str], heading: str) -> list[float]:
     """Return the SI values of the columns' units; "-" or nothing stands for a plain number."""
-    labels = [label.lower() for label in table.labels]
+    written = [without_index(*pair) for pair in zip(table.labels, table.units, strict=True)]
+    labels = [label.lower() for label, _ in written]
     if labels != list(columns):
         fault = Fault("header", "", f"is {','.join(table.labels)!r}", f"write {heading}")
         raise InputError(path, fault)
     scales = []
-    for label, written, unit in zip(labels, table.units, columns.values(), strict=True):
+    for (label, given), unit in zip(written, columns.values(), strict=True):
         try:
-            plain = unit == "1" and written in _PLAIN
-            scales.append(1.0 if plain else parse_quantity(f"1 {written}", unit))
+            plain = unit == "1" and given in _PLAIN
+            scales.append(1.0 if plain else parse_quantity(f"1 {given}", unit))
         except UnitError as error:
             remedy = f"{error.remedy}; a heading that would do is {heading}"
             raise InputError(path, Fault("header", label, error.rule, remedy)) from error

@@ -70,7 +70,7 @@ def read_table(path: Path, heading: str, remedy: str = "check the path") -> Tabl
         If the file cannot be read, has no line of headings, a line has too few or too many cells
         (a truncated file, say), a cell is no number, or two columns have one name.
     """
-    text = read_text(path, remedy).removeprefix("\ufeff")
+    text = read_text(path, remedy)
     separator = _separator(text)
     rows = _rows(path, text, separator)
     if not rows:
@@ -80,6 +80,11 @@ def read_table(path: Path, heading: str, remedy: str = "check the path") -> Tabl
     numbers = [_numbers(path, row, labels, heading, comma=comma) for row in rows]
     columns = np.array(numbers, np.float64).reshape(len(rows), len(labels)).T
     return Table(labels, units, np.ascontiguousarray(columns), tuple(row.line for row in rows))
+
+
+def without_index(label: str, unit: str) -> tuple[str, str]:
+    """Return name and unit of a column whose name is known, and no array's: ``inertia[1]``."""
+    return (label.removesuffix("[1]"), "1") if label.endswith("[1]") else (label, unit)
 
 
 def _separator(text: str) -> str:

@@ -122,6 +122,12 @@ def test_gains_of_the_same_study_are_read(written):
     assert read_gains(written[0], HASH) == gains_file(date=read_gains(written[0]).date)
 
 
+def test_a_byte_order_mark_is_no_part_of_a_file(written):
+    plain = read_gains(written)
+    written.write_bytes(b"\xef\xbb\xbf" + written.read_bytes())
+    assert read_gains(written) == plain
+
+
 def test_gains_of_another_study_are_refused(written):
     fault = fault_of(*written, study_hash="b" * 64)
     assert fault.key == "study_hash"
