@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import secrets
 import tempfile
 from pathlib import Path
 
@@ -77,7 +78,9 @@ def write_whole(path: str | Path, content: bytes | str) -> Path:
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
     path = Path(path)
-    beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    # Among machines that share a folder, and among threads, a process's number is not unique.
+    mark = f"{os.getpid()}-{secrets.token_hex(4)}"
+    beside = path.with_name(f".{path.stem}.{mark}.part{path.suffix}")
     try:
         with beside.open("wb") as stream:
             stream.write(data)

@@ -20,6 +20,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mptune.claim import claimed
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
 from mptune.job.report import draw, report
@@ -72,11 +73,20 @@ def run(
 
     Raises
     ------
+    InputError
+        If another process does the same job in the same folder.
     OutputError
         If results cannot be written.
     """
     out = Path(out)
     folder = make_folder(out / study.name)
+    with claimed(folder, "run", "a run of the whole job"):
+        return _run(study, out, folder, progress, compare=compare)
+
+
+def _run(
+    study: ResolvedStudy, out: Path, folder: Path, progress: Progress, *, compare: bool
+) -> JobResult:
     with precompiling() as simulator_ready:
         progress("sweep", 0.0)
         published = sweep(study)

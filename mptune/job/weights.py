@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 import tomlkit
 
 from mptune.campaign.workers import workers
+from mptune.claim import claimed
 from mptune.escaping import comment_text
 from mptune.files import make_folder, write_whole
 from mptune.job.leftovers import keep
@@ -43,13 +44,14 @@ def weights_study(
     Raises
     ------
     InputError
-        If optuna is missing, or storage, sampler or scheduler cannot be used.
+        If optuna is missing, storage, sampler or scheduler cannot be used, or another process
+        searches weights in the same folder.
     """
     from mptune.figures.style import to_svg
     from mptune.figures.weights import weights_figure
 
     folder = make_folder(Path(out) / study.name)
-    with workers(count, scheduler) as team:
+    with claimed(folder, "weights", "a search of weights"), workers(count, scheduler) as team:
         result = search_weights(
             study,
             team,
