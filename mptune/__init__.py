@@ -72,6 +72,7 @@ if TYPE_CHECKING:
     from mptune.job.run import run
     from mptune.loops.family import FamilyLoops
     from mptune.params.controller import Feedforward, Gains
+    from mptune.params.doubts import Doubt
     from mptune.params.gains import GainsFile, read_gains, write_gains
     from mptune.params.load import load_study
     from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant, Plants
@@ -144,6 +145,7 @@ _MODULES = {
     "job.run": "run",
     "loops.family": "FamilyLoops",
     "params.controller": "Feedforward, Gains",
+    "params.doubts": "Doubt",
     "params.gains": "GainsFile, read_gains, write_gains",
     "params.load": "load_study",
     "params.packed": "LoopGains, MeasurementPath, NominalPlant, Plants",
@@ -199,7 +201,7 @@ __all__ = [
     "LEDGER", "PUBLISHED_GAINS", "Agreement", "Band", "Baseline", "Blocking", "Bound", "Box",
     "BoxStability", "BoxedLoop", "Bracket", "BrokenLimit", "CampaignResult", "CaseResult",
     "CaseStatus", "Certainty", "Certificates", "Check", "Concave", "Concession", "Condition",
-    "Cone", "Design", "Draw", "Energies", "Excitation", "Family", "FamilyLoops", "Fault",
+    "Cone", "Design", "Doubt", "Draw", "Energies", "Excitation", "Family", "FamilyLoops", "Fault",
     "Feedforward", "Figures", "Fit", "FitStatus", "ForceController", "ForceResponse",
     "FrequencyResponse", "Front", "FrontPoint", "Function", "Gains", "GainsFile", "Grounds",
     "Guarantee", "IdentifyResult", "InputError", "Interval", "Iterate", "JobResult", "Limits",

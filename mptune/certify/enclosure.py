@@ -5,7 +5,8 @@ a denominator that does not vanish is implied. The coordinates of a box are, in 
 [rad/s], μ = m_N/m, the delay d [s], τ_A and τ_B [s], and an extra phase φ [rad] that is zero but
 where a phase margin is asked for. With Ŷ = μH, H = Σ_k z_k G_F(jω_k) e^{−j(ω_k − ω)d}, Eq. 11 as
 G_F = a/(1 + jωτ_A) + (1 − a)/(1 + jωτ_B) and a = A_A/(A_A + A_B), Y = Ŷ e^{−j(ωd + φ)}: |Y| knows
-nothing of the main phase, which therefore stands with β alone.
+nothing of the main phase, which therefore stands with β alone. A compliance's numerator is μn_0:
+its δ holds μ²|n_0|².
 """
 
 from __future__ import annotations
@@ -138,6 +139,7 @@ def enclose(
     half: FloatArray,
     slopes: FloatArray,
     spreads: FloatArray,
+    per_mass: bool,
 ) -> Enclosed:
     """Enclose num·|n|² − den·|d|² over a box, and its gradient.
 
@@ -153,10 +155,13 @@ def enclose(
         ``(SIDES,)`` the box.
     slopes, spreads
         ``(SIDES,)``, filled with the gradient: within ``spreads`` of ``slopes`` over the box.
+    per_mass
+        Whether the numerator is to be multiplied by μ.
     """
     omega, ratio, delay = centre[OMEGA], centre[RATIO], centre[DELAY]
     alpha = _weighed(row, terms + ALPHA_N, terms + ALPHA_D, num, den)
-    delta = _weighed(row, terms + DELTA_N, terms + DELTA_D, num, den)
+    mass = ratio * ratio if per_mass else 1.0  # μ², of the numerator
+    delta = _weighed(row, terms + DELTA_N, terms + DELTA_D, num * mass, den)
     both = _weighed(row, terms + BETA_N, terms + BETA_D, num, den)
     reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
     turn = turning_disc(omega * delay + centre[PHASE], widened(reach))
@@ -180,6 +185,21 @@ def enclose(
     slopes[PHASE], spreads[PHASE] = ahead
     slopes[RATIO], spreads[RATIO] = twice_real(product(force, plant.whole), 1.0, 0.0)
     ratio_half = half[RATIO]
+    if per_mass:
+        top = stored(row, terms + DELTA_N)
+        size_n, swing = num * top.value.real, (2 * ratio + ratio_half) * ratio_half
+        wide = num * (top.spread + top.error)
+        slopes[RATIO] += 2 * ratio * size_n
+        spreads[RATIO] += 2 * ratio_half * (size_n + wide) + 2 * ratio * wide
+        spreads[RATIO] += 8 * ROUND * ratio * size_n
+        turned_n = num * (modulus(top.slope) + top.slope_spread)
+        delta = Dual(
+            delta.value,
+            widened(delta.error + 4 * ROUND * mass * size_n),
+            widened(delta.spread + swing * (size_n + wide) + 4 * ROUND * mass * size_n),
+            delta.slope,
+            widened(delta.slope_spread + swing * turned_n + 4 * ROUND * mass * turned_n),
+        )
     tau_a = twice_real(product(force, plant.by_tau_a), ratio, ratio_half)
     tau_b = twice_real(product(force, plant.by_tau_b), ratio, ratio_half)
     late = twice_real(product(force, plant.by_delay), ratio, ratio_half)

@@ -74,16 +74,17 @@ def sweep(
 ) -> None:
     """Draw and store both sides of both inequalities over the grid."""
     from mptune.cli import show
+    from mptune.cli.study import load_study, with_warnings
     from mptune.job.sweep import sweep_study
     from mptune.params.gains import read_gains
-    from mptune.params.load import load_study
 
     loaded = load_study(study, override or (), uncertainty)
     chosen = read_gains(gains, loaded.hash()).gains if gains else None
     with show.progress(quiet=quiet) as report:
         result, links, files = sweep_study(loaded, chosen, out, report)
     if json:
-        show.as_json({**result.json(), "chain": [link.json() for link in links]})
+        values = {**result.json(), "chain": [link.json() for link in links]}
+        show.as_json(with_warnings(values, loaded))
     else:
         show.sweep(result, links)
         show.files(files)
@@ -103,14 +104,14 @@ def verify(
 ) -> None:
     """Prove gains on the nonlinear machine."""
     from mptune.cli import show
+    from mptune.cli.study import load_study, with_warnings
     from mptune.job.verify import verify_study
-    from mptune.params.load import load_study
 
     loaded = load_study(study, override or (), uncertainty)
     with show.progress(quiet=quiet) as report:
         result, files = verify_study(loaded, gains, out, report, force=force)
     if json:
-        show.as_json(result.json())
+        show.as_json(with_warnings(result.json(), loaded))
     else:
         show.verified(result)
         show.files(files)

@@ -37,14 +37,14 @@ def run(
 ) -> None:
     """Do the whole job, from the study file to gains and report."""
     from mptune.cli import show
+    from mptune.cli.study import load_study, with_warnings
     from mptune.job.run import run as run_job
-    from mptune.params.load import load_study
 
     loaded = load_study(study, override or (), uncertainty)
     with show.progress(quiet=quiet) as report:
         result = run_job(loaded, out, report, compare=compare)
     if json:
-        show.as_json(result.json())
+        show.as_json(with_warnings(result.json(), loaded))
     else:
         _say(result, quiet=quiet, verbose=verbose)
     finish(met=result.satisfied)

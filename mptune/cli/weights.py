@@ -49,8 +49,8 @@ def weights(
     """Search the force controller's weights: the order of §5.4, then beyond it."""
     from mptune.cli import show, show_weights
     from mptune.cli.interrupt import interruptible
+    from mptune.cli.study import load_study, with_warnings
     from mptune.job.weights import weights_study
-    from mptune.params.load import load_study
 
     loaded = load_study(study, override or (), uncertainty)
     try:
@@ -68,7 +68,7 @@ def weights(
         sys.stderr.write("mptune: finished trials are kept; the same command goes on\n")
         raise
     if json:
-        show.as_json(result.json())
+        show.as_json(with_warnings(result.json(), loaded))
     else:
         show_weights.weights(result)
         show.files(files)

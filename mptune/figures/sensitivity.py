@@ -55,7 +55,7 @@ def _draw(above: Axes, below: Axes, result: SweepResult, loop: int) -> None:
     nominal = loop_curves(loop, omega, model.nominal_loop(gains))
     highest = int(np.argmax(np.abs(family).max(axis=1)))
     worst = family[highest]
-    as_it_runs = model.as_it_runs(gains, model.plants.picked(np.array([highest])))
+    as_it_runs = model.as_it_runs(gains, model.explicit.picked(np.array([highest])))
     measured = 1 / (1 + loop_curves(loop, omega, as_it_runs)[0])
     for axes, less in ((above, 0), (below, 1)):  # T = 1 − S
         band(axes, omega, np.abs(less - family), "family")

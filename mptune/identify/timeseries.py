@@ -18,10 +18,11 @@ import numpy as np
 from mptune.arrays import frozen
 from mptune.errors import Fault, InputError
 from mptune.escaping import file_name
+from mptune.headings import label_and_unit
 from mptune.identify.channel import Channel
 from mptune.identify.channels import read_channels
 from mptune.identify.raster import check_given_step, recorded_step
-from mptune.units import UnitError, label_and_unit, parse_quantity
+from mptune.units import UnitError, parse_quantity
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray

@@ -28,7 +28,7 @@ from mptune.job.result import JobResult
 from mptune.job.tune import compared_files
 from mptune.params.gains import read_gains, write_gains
 from mptune.progress import silent
-from mptune.robust.chain import chain
+from mptune.robust.chain import chain, other_reading
 from mptune.robust.encirclements import encirclements
 from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep, with_radii
@@ -133,9 +133,13 @@ def gain_factors(
     verified: VerifyResult | None,
     progress: Progress,
 ) -> tuple[Link, ...]:
-    """Return the chain of the swept gains, with the nonlinear machine where it was verified."""
+    """Return the chain of the swept gains, with the nonlinear machine where it was verified.
+
+    The other reading of the delays comes last.
+    """
     progress("chain", 0.0)
-    links = chain(swept)
+    links, other = chain(swept), other_reading(swept)
     if verified is None:
-        return links
-    return (*links, machine_gain_limit(swept.study, swept.gains, feedforward, progress))
+        return (*links, *other)
+    machine = machine_gain_limit(swept.study, swept.gains, feedforward, progress)
+    return (*links, machine, *other)

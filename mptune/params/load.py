@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from mptune.errors import Fault, InputError
 from mptune.escaping import file_name
 from mptune.files import read_text
+from mptune.params.coherence import doubts_of, refusals_of
 from mptune.params.format import FORMAT_KEY, STUDY_FORMAT
 from mptune.params.layers import Layers
 from mptune.params.measured import read_measured
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from pydantic_core import ErrorDetails
+
+    from mptune.params.uncertainty import UncertaintySet
 
 _BASE = "base"
 _OF_A_FILE = (FORMAT_KEY, _BASE)
@@ -47,8 +50,9 @@ def load_study(
     Raises
     ------
     InputError
-        If a file cannot be read, is based on itself, or any value breaks a rule. It names the file
-        that the value was written in.
+        If a file cannot be read, is based on itself, any value breaks a rule, or values that are
+        right by themselves cannot be simulated together. It names the file that the value was
+        written in. What is merely doubtful the study carries, see ``ResolvedStudy.doubts``.
     """
     path = Path(path)
     layers = _layers(path)
@@ -65,18 +69,34 @@ def load_study(
         known = ", ".join(sorted(study.uncertainty.sets)) or "none"
         fault = Fault("uncertainty.sets", uncertainty, "is not among the sets", f"known: {known}")
         raise InputError(path, fault)
-    chosen = study.uncertainty.chosen(uncertainty)
+    chosen = study.uncertainty.chosen(uncertainty).with_delays(study.summed_delay)
+    written = frozenset(study.verification.model_fields_set)
+    study = _with_machines(study, chosen)
+    impossible = refusals_of(study, written)
+    if impossible:
+        raise layers.refusal(*impossible)
     half = study.controller.sampling_period / 2
-    if study.objective.tracking_loop == "sampled" and chosen.delay[0] < half:
+    if study.objective.runs and chosen.explicit_delay[0] < half:
         rule = f"has no hold to run with in a total delay below half a sampling period, {half:g} s"
-        remedy = "raise uncertainty.delay, which holds that half, or write continuous"
-        raise layers.refusal(Fault("objective.tracking_loop", "sampled", rule, remedy))
-    return ResolvedStudy(
+        remedy = "raise uncertainty.delay_as_it_runs, which holds that half, or write continuous"
+        sampled = study.objective.tracking_loop == "sampled"
+        key, value = ("tracking_loop", "sampled") if sampled else ("kind", "robustness")
+        raise layers.refusal(Fault(f"objective.{key}", value, rule, remedy))
+    resolved = ResolvedStudy(
         name=file_name(path.resolve().parent.name if path.stem == "study" else path.stem),
         study=study,
         uncertainty=chosen,
         uncertainty_name=uncertainty,
     )
+    return resolved.model_copy(update={"doubts": doubts_of(resolved)})
+
+
+def _with_machines(study: Study, chosen: UncertaintySet) -> Study:
+    """Return the study with the machines that its ``[verification]`` leaves to its ranges."""
+    verification = study.verification.filled(
+        chosen.mass, study.valves.delay, study.oil.bulk_modulus, study.load.force
+    )
+    return study.model_copy(update={"verification": verification})
 
 
 def _layers(path: Path) -> Layers:

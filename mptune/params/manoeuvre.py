@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+from itertools import pairwise
 from typing import Literal, Self
 
 from pydantic import Field, model_validator
@@ -53,17 +55,77 @@ class Manoeuvre(Section):
             places = [position - self.samples[0][1] for _, position in self.samples]
         return min(places), max(places)
 
+    @property
+    def peak_velocity(self) -> float:
+        """Largest speed of the reference [m/s]; of a file's, between its samples."""
+        length, time = abs(self.distance), self.duration
+        if self.kind == "quintic":
+            return 1.875 * length / time
+        if self.kind == "sine":
+            return math.pi * self.cycles * length / time
+        if self.kind == "file":
+            return max(map(abs, self._speeds()))
+        return length / (time * (1 - self.ramp_share))
+
+    @property
+    def peak_acceleration(self) -> float:
+        """Largest acceleration of the reference [m/s²]; of a file's, between its samples."""
+        time, speed = self.duration, self.peak_velocity
+        if self.kind == "quintic":
+            return 10 / math.sqrt(3) * abs(self.distance) / time**2
+        if self.kind == "sine":
+            return 2 * math.pi * self.cycles / time * speed
+        if self.kind == "file":
+            speeds, times = self._speeds(), [at for at, _ in self.samples]
+            gaps = [(last - first) / 2 for first, last in zip(times, times[2:], strict=False)]
+            changes = [abs(b - a) for a, b in pairwise(speeds)]
+            return max((a / gap for a, gap in zip(changes, gaps, strict=True)), default=0.0)
+        factor = 2 if self.kind == "s-curve" else 1
+        return factor * speed / (self.ramp_share * time)
+
+    @property
+    def travel(self) -> float:
+        """The way that the reference goes, there and back [m]."""
+        if self.kind == "sine":
+            return 2 * self.cycles * abs(self.distance)
+        if self.kind == "file":
+            places = [place for _, place in self.samples]
+            return sum(abs(b - a) for a, b in pairwise(places))
+        return abs(self.distance)
+
+    @property
+    def extends(self) -> bool:
+        """Whether the piston is to move out somewhere."""
+        if self.kind == "file":
+            return max(self._speeds()) > 0
+        return self.distance > 0 or (self.kind == "sine" and self.distance != 0)
+
+    @property
+    def retracts(self) -> bool:
+        """Whether the piston is to move in somewhere."""
+        if self.kind == "file":
+            return min(self._speeds()) < 0
+        return self.distance < 0 or (self.kind == "sine" and self.distance != 0)
+
+    def _speeds(self) -> list[float]:
+        return [(b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(self.samples)]
+
 
 class Verification(Section):
-    """The machines on which the gains are proven."""
+    """The machines on which the gains are proven; what is left out follows the study's ranges."""
 
     start: float = quantity("m", "x_0", "piston position at the start", at_least=0)
-    masses: tuple[float, ...] = quantity("kg", "m", "masses", above=0)
-    valve_delays: tuple[float | Range, ...] = quantity(
-        "s", "d_v", "valve delays; a pair is drawn from at each switching", at_least=0
+    masses: tuple[float, ...] = quantity(
+        "kg", "m", "masses; the ends of uncertainty.mass", (), above=0
     )
-    oil_bulk_moduli: tuple[float, ...] = quantity("Pa", "B_oil", "oil bulk moduli", above=0)
-    load_forces: tuple[float, ...] = quantity("N", "F_load", "load forces")
+    valve_delays: tuple[float | Range, ...] = quantity(
+        "s", "d_v", "valve delays, valves.delay; a pair is drawn from at each switching", (),
+        at_least=0,
+    )  # fmt: skip
+    oil_bulk_moduli: tuple[float, ...] = quantity(
+        "Pa", "B_oil", "oil bulk moduli; the ends of oil.bulk_modulus", (), above=0
+    )
+    load_forces: tuple[float, ...] = quantity("N", "F_load", "load forces; load.force", ())
     seeds: tuple[int, ...] = quantity("1", "seed", "seeds of the random numbers", (1,))
     repeats: int = quantity("1", "n", "movement sets per case", 1, at_least=1)
 
@@ -73,6 +135,17 @@ class Verification(Section):
             if isinstance(pair, tuple) and pair[0] > pair[1]:
                 refuse("has a reversed range in valve_delays", "write the smaller value first")
         return self
+
+    def filled(self, mass: Range, delay: Range, modulus: Range, force: float) -> Self:
+        """Return the same with what was left out taken from a study's ranges, all in SI."""
+        ranges = {
+            "masses": tuple(dict.fromkeys(mass)),
+            "valve_delays": (delay,),
+            "oil_bulk_moduli": tuple(dict.fromkeys(modulus)),
+            "load_forces": (force,),
+        }
+        left_out = {name: value for name, value in ranges.items() if not getattr(self, name)}
+        return self.model_copy(update=left_out)
 
     def delay_ranges(self) -> tuple[Range, ...]:
         """Return every valve delay as a range [s]; a single delay is one without width."""

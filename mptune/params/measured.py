@@ -31,8 +31,9 @@ import numpy as np
 from pydantic import Field, model_validator
 
 from mptune.errors import Fault, InputError
+from mptune.headings import without_index
 from mptune.params.section import Section
-from mptune.params.table import BESIDE_STUDY, Table, read_table, without_index
+from mptune.params.table import BESIDE_STUDY, Table, read_table
 from mptune.units import UnitError, parse_quantity
 
 if TYPE_CHECKING:

@@ -56,9 +56,11 @@ def pack_path(study: ResolvedStudy) -> MeasurementPath:
     return pack_filters(study.study.controller)
 
 
-def pack_nominal(study: ResolvedStudy) -> NominalPlant:
-    """Return the nominal plant as a kernel tuple."""
-    return NominalPlant(study.uncertainty.nominal_mass, study.uncertainty.nominal_delay)
+def pack_nominal(study: ResolvedStudy, *, explicit: bool = False) -> NominalPlant:
+    """Return the nominal plant as a kernel tuple, its delay lumped or beside an explicit path."""
+    box = study.uncertainty
+    delay = box.nominal_delay_as_it_runs if explicit else box.nominal_delay
+    return NominalPlant(box.nominal_mass, delay)
 
 
 def pack_machine(

@@ -10,7 +10,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mptune.errors import Fault, InputError
-from mptune.params.table import BESIDE_STUDY, read_table, without_index
+from mptune.headings import without_index
+from mptune.params.table import BESIDE_STUDY, read_table
 from mptune.units import UnitError, parse_quantity
 
 if TYPE_CHECKING:

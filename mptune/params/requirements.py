@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from itertools import pairwise
 from typing import Any, Literal, Self
 
@@ -33,7 +34,10 @@ class GainBounds(Section):
 
 
 class Requirements(Section):
-    """The largest allowed left/right ratios of Eq. 17 and 21, and bounds on other margins."""
+    """The largest allowed left/right ratios of Eq. 17 and 21, and bounds on other figures.
+
+    Those of the simulated machine are judged after it ran; no search of gains asks them.
+    """
 
     velocity_ratio: float | RatioCurve = Field(1.0, description="largest ratio of Eq. 17")
     position_ratio: float | RatioCurve = Field(1.0, description="largest ratio of Eq. 21")
@@ -47,8 +51,38 @@ class Requirements(Section):
     sampled_sensitivity_peak: float | None = quantity(
         "1", "M_S", "largest sensitivity peak at F_ref, sampled loop", None, above=1
     )
+    disk_margin: float | None = quantity(
+        "1", "α", "smallest disk margin at F_ref, sampled loop", None, above=0, at_most=2
+    )
+    phase_margin: float | None = quantity(
+        "rad", "φ_m", "smallest phase margin at F_ref, sampled loop", None, above=0, at_most=math.pi
+    )
+    delay_margin: float | None = quantity(
+        "s", "d_m", "smallest delay margin at F_ref, sampled loop", None, above=0
+    )
+    peak_compliance: float | None = quantity(
+        "m/N", "c", "largest |S|/(mω²) of the sampled loop: position over load force", None, above=0
+    )
+    overshoot: float | None = quantity(
+        "1", "o", "largest overshoot of the sampled loop's position step", None, at_least=0
+    )
+    settling_time: float | None = quantity(
+        "s", "t_s", "longest time of that step until it stays within 2 %", None, above=0
+    )
+    tracking_index: float | None = quantity(
+        "s", "i_t", "largest tracking index on the objective's tracking loop", None, above=0
+    )
     noise_gain: float | None = quantity(
         "N/m", "N", "largest noise gain from position to F_ref", None, above=0
+    )
+    performance_index: float | None = quantity(
+        "s", "i", "largest performance index, simulated machine", None, above=0
+    )
+    final_error: float | None = quantity(
+        "m", "e", "largest final position error, simulated machine", None, above=0
+    )
+    force_error: float | None = quantity(
+        "N^2 s", "f", "largest force-error integral of a set, simulated machine", None, above=0
     )
     bounds: GainBounds = GainBounds()
 
@@ -88,19 +122,21 @@ def _checked_ratio(value: Any) -> float:
     return float(value)
 
 
+Kind = Literal["tracking", "disturbance", "load-step", "bandwidth", "robustness"]
+Turned = Literal["acceleration_mass", "reference_lag", "velocity_reference_lag"]
+"""What the tuner may turn beside the gains."""
+
+
 class Objective(Section):
     """What the tuner improves, on which loop, and with which freedom."""
 
-    kind: Literal["tracking", "disturbance", "load-step", "bandwidth"] | None = Field(
-        None, description="the objective"
-    )
+    kind: Kind | None = Field(None, description="the objective")
     tracking_loop: Literal["continuous", "sampled"] = Field(
         "continuous", description="loop on which tracking is judged: the paper's, or as it runs"
     )
-    free_feedforward: tuple[
-        Literal["acceleration_mass", "reference_lag", "velocity_reference_lag"], ...
-    ] = Field((), description="feed-forward that the tuner may choose")
-    then: tuple[Literal["tracking", "disturbance", "load-step", "bandwidth"], ...] = Field(
+    free: tuple[Turned, ...] = Field((), description="what the tuner may turn beside the gains")
+    free_feedforward: tuple[Turned, ...] = Field((), description="an older name of free")
+    then: tuple[Kind, ...] = Field(
         (), description="objectives improved after the first, without giving it up"
     )
     keep: float = quantity(
@@ -110,16 +146,32 @@ class Objective(Section):
     disturbance: float | None = quantity("1", "w_d", "weight of disturbance", None, at_least=0)
     load_step: float | None = quantity("1", "w_l", "weight of the load step", None, at_least=0)
     bandwidth: float | None = quantity("1", "w_b", "weight of bandwidth", None, at_least=0)
+    robustness: float | None = quantity("1", "w_r", "weight of the disk margin", None, at_least=0)
+
+    @property
+    def turned(self) -> tuple[Turned, ...]:
+        """What the tuner may turn beside the gains, under either name."""
+        return tuple(dict.fromkeys((*self.free, *self.free_feedforward)))
+
+    @property
+    def runs(self) -> bool:
+        """Whether any of it is judged on the loop as it runs."""
+        return self.robust or self.tracking_loop == "sampled"
+
+    @property
+    def robust(self) -> bool:
+        """Whether the disk margin is part of it."""
+        return self.kind == "robustness" or "robustness" in self.then or bool(self.robustness)
 
     @model_validator(mode="after")
     def _one_way(self) -> Self:
-        weights = (self.tracking, self.disturbance, self.load_step, self.bandwidth)
+        weights = (self.tracking, self.disturbance, self.load_step, self.bandwidth, self.robustness)
         weighted = any(weight is not None for weight in weights)
         if weighted == (self.kind is not None):
             refuse("needs either a kind or weights", 'write kind = "tracking", or weights')
         if weighted and not any(weights):
             refuse("has no weight above zero", "give at least one positive weight")
-        if self.free_feedforward and self.tracking_loop != "sampled":
+        if self.turned and self.tracking_loop != "sampled":
             refuse(
                 "frees feed-forward that only the sampled loop, with its filters, can judge",
                 'write tracking_loop = "sampled"',

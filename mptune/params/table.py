@@ -22,7 +22,7 @@ import numpy as np
 
 from mptune.errors import Fault, InputError
 from mptune.files import read_text
-from mptune.units import label_and_unit
+from mptune.headings import label_and_unit
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -80,11 +80,6 @@ def read_table(path: Path, heading: str, remedy: str = "check the path") -> Tabl
     numbers = [_numbers(path, row, labels, heading, comma=comma) for row in rows]
     columns = np.array(numbers, np.float64).reshape(len(rows), len(labels)).T
     return Table(labels, units, np.ascontiguousarray(columns), tuple(row.line for row in rows))
-
-
-def without_index(label: str, unit: str) -> tuple[str, str]:
-    """Return name and unit of a column whose name is known, and no array's: ``inertia[1]``."""
-    return (label.removesuffix("[1]"), "1") if label.endswith("[1]") else (label, unit)
 
 
 def _separator(text: str) -> str:

@@ -16,7 +16,7 @@ import numpy as np
 from mptune.loops.broken import FORCE
 from mptune.loops.stability import count_unstable_poles
 from mptune.robust.condition import sides
-from mptune.robust.families import stable_plants
+from mptune.robust.families import as_sampled, stable_plants, true_family
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.place import PlantPoint, finite, plant_point
 from mptune.summary import Summarised
@@ -48,11 +48,14 @@ class Link(Summarised):
         is, NaN where it cannot be told.
     at
         The plant and frequency that limit it; None where it is not known.
+    beside
+        Another reading of the delays, shown beside the others: no verdict rests on it.
     """
 
     name: str
     factor: float
     at: PlantPoint | None
+    beside: bool = False
 
     @property
     def headline(self) -> str:
@@ -62,7 +65,8 @@ class Link(Summarised):
     def json(self) -> dict[str, Any]:
         """Return the link, as JSON has it."""
         at = self.at.values() if self.at else None
-        return {"model": self.name, "gain_factor": finite(self.factor), "at": at}
+        values = {"model": self.name, "gain_factor": finite(self.factor), "at": at}
+        return {**values, "beside": True} if self.beside else values
 
 
 def factor_text(factor: float) -> str:
@@ -113,6 +117,30 @@ def chain(result: SweepResult) -> tuple[Link, ...]:
     if result.sampled is not None:
         links.append(_family_link("sampled", result.sampled, result))
     return tuple(links)
+
+
+def other_reading(result: SweepResult) -> tuple[Link, ...]:
+    """Return the links with path and sampling, the lumped delays counted beside them as well.
+
+    That is the reading in which nothing of the lumped delay stands for the measurement path: it
+    errs towards instability where something does. None where both delays have one range.
+    """
+    model = result.model
+    box = model.study.uncertainty
+    if box.explicit_delay == box.lumped_delay:
+        return ()
+    lumped = replace(model, explicit=model.lumped)
+    gains = lumped.loops(result.gains).gains
+    families = (
+        true_family(lumped, gains, "filters", result.omega),
+        as_sampled(lumped, gains, result.omega),
+    )
+    again = replace(result, model=lumped)
+    return tuple(
+        replace(_family_link(f"{name}, lumped delay", family, again), beside=True)
+        for name, family in zip((_NAMES["filters"], "sampled"), families, strict=True)
+        if family is not None
+    )
 
 
 def _inequalities(result: SweepResult) -> Link:

@@ -253,11 +253,14 @@ class SweepResult(Summarised, Drawn, Labelled):
             return found[path]
         rule, remedy = "is no measurement path", f"one of {', '.join(found)}"
         if path == "sampled":
-            least, half = self.plants.delay.min(), self.model.period / 2
+            least, half = self.model.explicit.delay.min(), self.model.period / 2
             rule = (
                 f"has no hold to run with: the least total delay, {least:g} s, is below {half:g} s"
             )
-            remedy = f"raise uncertainty.delay, which holds half a sampling period, or ask {remedy}"
+            remedy = (
+                "raise uncertainty.delay_as_it_runs, which holds half a sampling period, or ask "
+                f"{remedy}"
+            )
         raise InputError(f"sweep of {self.study.name}", Fault("path", repr(path), rule, remedy))
 
     def to_control(

@@ -267,7 +267,11 @@ def delays_of(study: ResolvedStudy, valve_delay: Range) -> loop.Delays:
 def new_memory(
     study: ResolvedStudy, machine: Machine, gains: LoopGains, start: float
 ) -> loop.Memory:
-    """Return machine and controller at rest at ``start`` [m]; the integrator carries the load."""
+    """Return machine and controller at rest at ``start`` [m].
+
+    The chamber pressures carry the load, and so does the integrator, as far as the controller can:
+    there is none without K_I,pos, and F_ref has its limits.
+    """
     supplies = study.study.supplies
     high = 0.5 * (supplies.pump_on + supplies.pump_off)
     pressure_b = _START_PRESSURE_B
@@ -280,7 +284,9 @@ def new_memory(
     signals = np.zeros(loop.SIGNALS)
     signals[:5] = start, pressure_a, pressure_b, high, machine.low_pressure
     outer = np.zeros(OUTER_STATES + 2)
-    outer[INTEGRAL] = load / gains.k_p_vel
+    if gains.k_i_pos > 0:
+        least, largest = force_limits(pack_force(study))
+        outer[INTEGRAL] = min(max(load, least), largest) / gains.k_p_vel
     outer[REFERENCE] = start
     return loop.Memory(
         state=state,

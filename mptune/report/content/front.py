@@ -51,7 +51,7 @@ def front_page(results: Results) -> FrontPage:
         about=[f"{words}measurement path in the model: {study.study.model.measurement_path}"],
         headline=headline(met=results.satisfied),
         status=list(_status(results)),
-        warnings=[*warnings(swept), *results.leftovers.left_out],
+        warnings=[*warnings(swept), *map(str, study.doubts), *results.leftovers.left_out],
         blocks=[block for table in tables for block in table.titled()],
     )
 

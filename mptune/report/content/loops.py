@@ -264,7 +264,8 @@ def gain_chain(results: Results) -> Chapter | None:
             "Each model is more complete than the one before; the machine is the study's "
             "verification cases, which are not the family's corners. A finite grid, and on the "
             "machine few movement sets, can only miss what limits sooner: the factors err on the "
-            "high side."
+            "high side. “Lumped delay”: the delays of Eq. 14 to 21 kept where path and sampling "
+            "are explicit, another reading, on which no verdict rests."
         ),
     )
 
@@ -274,7 +275,9 @@ def gain_factors(links: Sequence[Link]) -> Tabular:
     rows: list[Row] = [
         [
             link.name,
-            verdict(factor_text(link.factor), good=link.factor >= 1),
+            factor_text(link.factor)
+            if link.beside
+            else verdict(factor_text(link.factor), good=link.factor >= 1),
             Cell(place_text(link.at), "small"),
         ]
         for link in links
@@ -285,5 +288,6 @@ def gain_factors(links: Sequence[Link]) -> Tabular:
 
 def factors_text(links: Sequence[Link]) -> str:
     """Return the chain's factors in a line."""
-    factors = ", ".join(f"{link.name} {factor_text(link.factor)}" for link in links)
+    counted = [link for link in links if not link.beside]
+    factors = ", ".join(f"{link.name} {factor_text(link.factor)}" for link in counted)
     return f"Gain at F_ref may rise by: {factors}."

@@ -32,6 +32,12 @@ def full_study(load_boom):
 
 
 @pytest.fixture(scope="session")
+def proportional_study(load_boom):
+    """The same without an integral, which then carries no load."""
+    return load_boom(MOVES, "gains.k_i_pos=0 1/s^2", corners=True)
+
+
+@pytest.fixture(scope="session")
 def controller(study):
     return prepare(study, gains_of(study), Precision.DOUBLE)
 

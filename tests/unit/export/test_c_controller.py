@@ -59,10 +59,12 @@ def test_every_valve_command_is_mptune_s_own_to_the_last_bit(sources, recording,
     assert not held[found[1:, target.DECIDED] == 0].any()
 
 
-def test_what_the_paper_leaves_off_is_the_same_too(full_study, tmp_path):
-    """Feed-forward, lagged references, delay prediction and the mean flow."""
-    target.write_sources(full_study, tmp_path / "c")
-    recording = record_case(full_study, first_case(full_study, 49000.0))
+@pytest.mark.parametrize("which", ["full_study", "proportional_study"])
+def test_what_the_paper_leaves_off_is_the_same_too(request, which, tmp_path):
+    """Feed-forward, lagged references, delay prediction and the mean flow; no integral."""
+    study = request.getfixturevalue(which)
+    target.write_sources(study, tmp_path / "c")
+    recording = record_case(study, first_case(study, 49000.0))
     program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
     found, _ = replay(program, recording, tmp_path)
     same_decisions(found, recording)

@@ -119,7 +119,7 @@ def test_single_precision_declares_no_double(single):
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize("which", ["study", "full_study"])
+@pytest.mark.parametrize("which", ["study", "full_study", "proportional_study"])
 def test_the_blocks_give_the_simulator_s_force_reference(request, which):
     """Bit for bit but for two sums that the blocks take in another order."""
     study = request.getfixturevalue(which)

@@ -308,7 +308,7 @@ def test_a_value_that_the_study_mends_is_no_fault_of_its_base(child):
 
 def test_a_rule_over_sections_names_the_file_of_its_key(child, tmp_path):
     loop = ('kind = "tracking"', 'kind = "tracking"\ntracking_loop = "sampled"')
-    path = child('[uncertainty]\ndelay = ["1 ms", "2 ms"]\n', loop)
+    path = child('[uncertainty]\ndelay_as_it_runs = ["1 ms", "2 ms"]\n', loop)
     assert faults_of(path).where == str(tmp_path / "base" / "study.toml")
 
 

@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from mptune.errors import InputError
+from mptune.headings import label_and_unit
 from mptune.identify.responses import read_response
 from mptune.identify.timeseries import Asked, read_record
 from mptune.params.load import load_study
 from mptune.params.table import read_table
-from mptune.units import label_and_unit
 
 HEADING = "a [m],b [s]"
 

@@ -56,6 +56,14 @@ def text(job):
     return text_of(pdf_of(job))
 
 
+def test_the_report_repeats_what_is_doubtful_about_the_study(job, tmp_path):
+    (delay, moduli) = job.study.doubts
+    for text in written(tmp_path, changed(job, tmp_path)):
+        words = " ".join(text.split())
+        for doubt in (delay, moduli):
+            assert " ".join(doubt.rule.split()) in words
+
+
 def test_text_holds_verdict_gains_and_sources(job, text):
     assert "Every requirement is met" in text
     for key, unit, _, _ in job.tuned.gains.quantities():
