@@ -7,7 +7,7 @@ PIP := $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 STAMP := $(VENV)/.installed
 STUDY ?= studies/boom/study.toml
 
-.PHONY: run test bench format setup coverage mutants lock
+.PHONY: run test bench fuzz format setup coverage mutants lock
 
 run: setup
 	$(BIN)/mptune run $(STUDY)
@@ -22,9 +22,13 @@ test: setup
 bench: setup
 	$(BIN)/pytest -m bench -s -p no:randomly tests/bench
 
+# MINUTES=10 chooses how long bytes are spoilt at random.
+fuzz: setup
+	NUMBA_NUM_THREADS=1 $(BIN)/pytest -m fuzz -s -n 0 tests/faults
+
 # Kernels count too: they run interpreted once, so that their lines are seen.
 coverage: setup
-	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -m "not bench and not compiled"
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -m "not bench and not fuzz and not compiled"
 	$(BIN)/coverage combine
 	$(BIN)/coverage report
 

@@ -43,6 +43,9 @@ def read_text(path: str | Path, remedy: str = "check the path") -> str:
     except OSError as error:
         fault = Fault("", "", f"cannot be read: {error.strerror}", "check its permissions")
         raise InputError(path, fault) from error
+    except ValueError as error:  # NUL, or halves of pairs
+        fault = Fault("", repr(str(path)), "is no path that a file can have", "check the path")
+        raise InputError("path", fault) from error
     if not text.strip():
         raise InputError(path, Fault("", "", "is empty", remedy))
     return text

@@ -25,6 +25,7 @@ before the hold of the sampled controller, to force: it holds G_F and the whole 
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
@@ -32,7 +33,7 @@ from pydantic import Field, model_validator
 
 from mptune.errors import Fault, InputError
 from mptune.headings import without_index
-from mptune.params.section import Section
+from mptune.params.section import Section, refuse
 from mptune.params.table import BESIDE_STUDY, Table, read_table
 from mptune.units import UnitError, parse_quantity
 
@@ -65,6 +66,15 @@ class MeasuredResponse(Section):
     phases: tuple[float, ...] = Field(
         (), description="phases as written [rad], where they go beyond half a turn"
     )
+
+    @model_validator(mode="after")
+    def _is_a_response(self) -> Self:
+        if len(self.rows) < _FEWEST_ROWS:
+            refuse(f"has less than {_FEWEST_ROWS} rows", "measure at more frequencies")
+        omega = [row[0] for row in self.rows]
+        if omega[0] <= 0 or any(after <= before for before, after in pairwise(omega)):
+            refuse("has frequencies that are not above 0, or do not rise", "order the rows")
+        return self
 
     @model_validator(mode="after")
     def _phases_fit(self) -> Self:

@@ -11,6 +11,8 @@ import numpy as np
 
 from mptune.errors import Fault, InputError
 from mptune.headings import without_index
+from mptune.params.machine import FEWEST_ROWS
+from mptune.params.manoeuvre import FEWEST_SAMPLES
 from mptune.params.table import BESIDE_STUDY, read_table
 from mptune.units import UnitError, parse_quantity
 
@@ -23,7 +25,6 @@ if TYPE_CHECKING:
 
 _REFERENCE = {"time": "s", "position": "m"}
 _LOAD_TABLE = {"position": "m", "force": "N", "inertia": "1"}
-_FEWEST_SAMPLES, _FEWEST_ROWS = 4, 2
 _PLAIN = {"", "1", "-"}
 
 
@@ -42,7 +43,7 @@ def read_references(layers: Layers) -> None:
     folder = layers.folder_of("manoeuvre")
     for move in manoeuvres if isinstance(manoeuvres, list) else []:
         if isinstance(move, dict) and isinstance(move.get("file"), str):
-            samples = _read(folder / move.pop("file"), _REFERENCE, _FEWEST_SAMPLES)
+            samples = _read(folder / move.pop("file"), _REFERENCE, FEWEST_SAMPLES)
             move["samples"] = samples
             move["duration"] = f"{samples[-1][0] - samples[0][0]!r} s"
 
@@ -62,7 +63,7 @@ def read_load_table(layers: Layers) -> None:
     load: Any = layers.values.get("load")
     if isinstance(load, dict) and isinstance(load.get("table"), str):
         path = layers.folder_of("load.table") / load["table"]
-        rows = _read(path, _LOAD_TABLE, _FEWEST_ROWS)
+        rows = _read(path, _LOAD_TABLE, FEWEST_ROWS)
         if any(row[2] <= 0 for row in rows):
             raise InputError(path, Fault("inertia", "", "is not positive", "give factors above 0"))
         load["table"] = rows
