@@ -71,10 +71,11 @@ def _even_step(path: Path, time: FloatArray, unit: str) -> float:
     if not np.isfinite(time).all():
         rule = f"is not a number, first at sample {int(np.argmin(np.isfinite(time))) + 1}"
         raise InputError(path, Fault("time", "", rule, "cut the record to where it is whole"))
-    step = float(time[-1] - time[0]) / (len(time) - 1)
-    usual = float(np.median(np.diff(time)))
-    off = np.abs(np.diff(time) - usual) > _JITTER * abs(usual)
-    if step <= 0 or usual <= 0 or off.any():
+    with np.errstate(over="ignore", invalid="ignore"):  # of times at the end of all floats
+        step = float(time[-1] - time[0]) / (len(time) - 1)
+        usual = float(np.median(np.diff(time)))
+        off = ~(np.abs(np.diff(time) - usual) <= _JITTER * abs(usual))
+    if not (step > 0 and usual > 0) or off.any():
         place = int(np.argmax(off)) + 2 if off.any() else 2
         rule = f"does not step evenly: {_shown(usual, unit)}, but not before sample {place}"
         raise InputError(path, Fault("time", "", rule, "resample the record, or cut the gap out"))

@@ -82,8 +82,8 @@ def read_record(path: str | Path, asked: Asked) -> Record:
         raise InputError(path, Fault(asked.force, "", rule, "record both together"))
     sample_time = _sample_time(path, channels, asked, (reference, force))
     return Record(
-        frozen(reference.values * _scale(path, asked.reference, reference.unit, "N")),
-        frozen(force.values * _scale(path, asked.force, force.unit, "N")),
+        _scaled(path, asked.reference, reference, "N"),
+        _scaled(path, asked.force, force, "N"),
         sample_time,
         file_name(path.stem),
     )
@@ -116,13 +116,13 @@ def _sample_time(
             remedy = "name the channel of time, or give the time between samples"
             raise InputError(path, Fault("time", "", "is no channel of it", remedy))
         name = asked.time or "time"
-        return recorded_step(path, clock.values * _scale(path, name, clock.unit, "s"))
+        return recorded_step(path, _scaled(path, name, clock, "s"))
     given = _quantity(path, "sample time", asked.sample_time, "s")
     if given <= 0:
         raise InputError(path, Fault("sample time", asked.sample_time, "is not above 0", "mend it"))
     if clock is not None:
-        scale = _scale(path, asked.time or "time", clock.unit, "s") if clock.unit else 1.0
-        check_given_step(path, given, clock.values * scale, "s" if clock.unit else "")
+        values = _scaled(path, asked.time or "time", clock, "s") if clock.unit else clock.values
+        check_given_step(path, given, values, "s" if clock.unit else "")
     return given
 
 
@@ -155,6 +155,12 @@ def _may_be_time(unit: str) -> bool:
         return not unit or parse_quantity(f"1 {unit}", "s") > 0
     except UnitError:
         return False
+
+
+def _scaled(path: Path, text: str, channel: Channel, wanted: str) -> FloatArray:
+    """Return a channel's values in SI, infinite where they are too large: its user refuses them."""
+    with np.errstate(over="ignore"):
+        return frozen(channel.values * _scale(path, text, channel.unit, wanted))
 
 
 def _scale(path: Path, text: str, unit: str, wanted: str) -> float:

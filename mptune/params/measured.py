@@ -38,6 +38,7 @@ from mptune.params.table import BESIDE_STUDY, Table, read_table
 from mptune.units import UnitError, parse_quantity
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from mptune.arrays import ComplexArray, FloatArray
@@ -145,17 +146,14 @@ def read_response_table(path: Path, remedy: str = "check the path") -> ResponseT
     """
     table = read_table(path, _EXAMPLE, remedy)
     found = _columns(path, table)
-    values = {role: table.columns[index] * scale for role, (index, scale) in found.items()}
+    with np.errstate(over="ignore"):  # what becomes infinite is refused below
+        values = {role: table.columns[index] * scale for role, (index, scale) in found.items()}
     omega = values["frequency"]
     if len(omega) < _FEWEST_ROWS:
         rule = f"has {len(omega)} rows where {_FEWEST_ROWS} are needed at least"
         raise InputError(path, Fault("", "", rule, "measure at more frequencies"))
-    if "real" in values:
-        response = values["real"] + 1j * values["imaginary"]
-    else:
-        decibels = table.units[found["magnitude"][0]].lower() == "db"
-        magnitude = 10 ** (values["magnitude"] / 20) if decibels else values["magnitude"]
-        response = magnitude * np.exp(1j * values["phase"])
+    decibels = "magnitude" in found and table.units[found["magnitude"][0]].lower() == "db"
+    response = _response(values, decibels=decibels)
     coherence = values.get("coherence", np.full(len(omega), np.nan))
     phase = values.get("phase")
     if phase is not None and not np.any(np.abs(phase) > np.pi * (1 + 1e-9)):
@@ -163,6 +161,15 @@ def read_response_table(path: Path, remedy: str = "check the path") -> ResponseT
     read = ResponseTable(omega, response, coherence, phase)
     _check(path, table.lines, read)
     return read
+
+
+def _response(values: Mapping[str, FloatArray], *, decibels: bool) -> ComplexArray:
+    """Return the complex response, ``(F,)``; not finite where a number is too large for it."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        if "real" in values:
+            return values["real"] + 1j * values["imaginary"]
+        magnitude = 10 ** (values["magnitude"] / 20) if decibels else values["magnitude"]
+        return np.asarray(magnitude * np.exp(1j * values["phase"]))
 
 
 def _check(path: Path, lines: tuple[int, ...], found: ResponseTable) -> None:

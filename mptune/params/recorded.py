@@ -73,7 +73,8 @@ def _read(path: Path, columns: Mapping[str, str], fewest: int) -> list[list[floa
     """Return the rows of a file in SI, the first of its columns rising."""
     heading = ",".join(f"{name} [{unit}]" for name, unit in columns.items())
     table = read_table(path, heading, BESIDE_STUDY)
-    values = table.columns * np.array(_scales(path, table, columns, heading))[:, None]
+    with np.errstate(over="ignore"):  # what becomes infinite is refused next
+        values = table.columns * np.array(_scales(path, table, columns, heading))[:, None]
     finite = np.isfinite(values).all(axis=0)
     if not finite.all():
         line = f"line {table.lines[int(np.argmin(finite))]}"

@@ -147,9 +147,14 @@ def _numbers(
         raise InputError(path, Fault(f"line {row.line}", "", rule, remedy))
     cells = [cell.replace(",", ".") for cell in row.cells] if comma else row.cells
     try:
-        return [float(cell) if cell.strip() else math.nan for cell in cells]
+        numbers = [float(cell) if cell.strip() else math.nan for cell in cells]
     except ValueError as error:
         shown = ",".join(row.cells)[:40]
         remedy = f"write plain numbers with a decimal point below one line like {heading}"
         fault = Fault(f"line {row.line}", shown, "is no row of numbers", remedy)
         raise InputError(path, fault) from error
+    if any(map(math.isinf, numbers)):
+        shown = ",".join(row.cells)[:40]
+        rule = "has a number beyond all bounds"
+        raise InputError(path, Fault(f"line {row.line}", shown, rule, "mend it, or leave it empty"))
+    return numbers
