@@ -16,6 +16,7 @@ import numpy as np
 from mptune.errors import Fault, InputError
 from mptune.hdf5 import stored_arrays
 from mptune.identify.channel import Channel, Channels, check_size, unreadable
+from mptune.identify.mat_elements import check_elements
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -72,6 +73,7 @@ def _version_5(path: Path) -> Channels:
 
     with path.open("rb") as stream:
         _check_unpacked(path, stream)
+    check_elements(path.read_bytes())
     channels: dict[str, Channel] = {}
     values = loadmat(path, simplify_cells=True)
     _collect(channels, "", {key: one for key, one in values.items() if key[:2] != "__"}, 0)

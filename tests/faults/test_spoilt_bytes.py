@@ -123,6 +123,16 @@ def test_some_spoilt_files_are_read_or_refused(samples, tmp_path):
     assert {how for _, how in tried} == {"read", "refused"}
 
 
+def test_a_type_beyond_the_reader_s_table_is_refused_before_it_kills_the_process(samples, tmp_path):
+    whole, read = samples["record.mat"]
+    path, places = tmp_path / "record.mat", 0
+    for place in range(128, len(whole), 4):
+        for kind in (b"\x13\0\0\0", b"\xff\xff\0\0", b"\0\0\0\xff", b"\x63\0\4\0"):
+            path.write_bytes(whole[:place] + kind + whole[place + 4 :])
+            places += outcome(read, path) == "refused"
+    assert places > 50
+
+
 @pytest.mark.fuzz
 def test_spoilt_files_for_some_minutes(samples, tmp_path):
     end, number, tried = time.monotonic() + 60 * MINUTES, 2, Counter()
