@@ -123,9 +123,10 @@ def test_gains_of_the_same_study_are_read(written):
 
 
 def test_a_byte_order_mark_is_no_part_of_a_file(written):
-    plain = read_gains(written)
-    written.write_bytes(b"\xef\xbb\xbf" + written.read_bytes())
-    assert read_gains(written) == plain
+    path, _ = written
+    plain = read_gains(path)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert read_gains(path) == plain
 
 
 def test_gains_of_another_study_are_refused(written):
