@@ -81,10 +81,16 @@ def parse_quantity(text: str, unit: str) -> float:
     return value
 
 
-def label_and_unit(text: str) -> tuple[str, str]:
-    """Return name and unit of a column's heading, ``"F_ref [kN]"``; the unit may be missing."""
-    label, _, rest = text.partition("[")
-    return label.strip(), rest.rstrip().removesuffix("]").strip()
+def is_unit(text: str) -> bool:
+    """Return whether a text is a unit of anything."""
+    written = _typed(text)
+    if len(written) > _LONGEST_UNIT or _UNIT.fullmatch(written) is None:
+        return False
+    try:
+        registry().parse_units(written)
+    except Exception:  # noqa: BLE001 - pint's parser raises whatever its tokenizer met
+        return False
+    return True
 
 
 def _typed(text: str) -> str:

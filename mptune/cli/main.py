@@ -28,11 +28,14 @@ from mptune.cli.options import (
     SetOption,
     StudyArgument,
     UncertaintyOption,
+    a_path,
     finish,
 )
 from mptune.cli.run import run
+from mptune.cli.streams import take_streams
 from mptune.cli.tune import tune
 from mptune.cli.weights import weights
+from mptune.escaping import printable
 
 BAD_INPUT, UNFINISHED, INTERRUPTED = 2, 3, 130
 
@@ -136,9 +139,9 @@ app.command()(compare)
 @app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the study's folder.")],
-    folder: Annotated[Path, typer.Option("--in", metavar="DIR", help="Where studies live.")] = Path(
-        "studies"
-    ),
+    folder: Annotated[
+        Path, typer.Option("--in", parser=a_path, metavar="DIR", help="Where studies live.")
+    ] = Path("studies"),
 ) -> None:
     """Write a study to start from."""
     from mptune.cli import show
@@ -157,7 +160,15 @@ def ledger() -> None:
 
 def main() -> None:
     """Run the command line and leave with its exit status."""
-    sys.exit(status(sys.argv[1:]))
+    out = take_streams()
+    code = status(sys.argv[1:])
+    sys.stdout.flush()
+    if out.failure is not None:
+        reason = out.failure.strerror or out.failure
+        rule = f"standard output could not be written ({reason}); what was to be printed is lost"
+        code = _say(f"{rule}; free some space or print elsewhere", UNFINISHED)
+    sys.stderr.flush()
+    sys.exit(code)
 
 
 def status(arguments: list[str]) -> int:
@@ -194,5 +205,5 @@ def _failed(error: Exception) -> int:
 
 
 def _say(text: str, code: int) -> int:
-    sys.stderr.write(f"mptune: {text}\n")
+    sys.stderr.write(f"mptune: {printable(text, keep=chr(10))}\n")
     return code

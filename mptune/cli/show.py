@@ -32,12 +32,16 @@ __all__ = [
     "as_json", "bars", "elsewhere", "files", "headline", "ledger", "progress", "sweep", "verified",
 ]  # fmt: skip
 
+_ROOM_FOR_A_BAR = 80  # columns; on fewer the numbers beside it would be cut
+
 
 @contextmanager
 def bars(*columns: ProgressColumn, quiet: bool) -> Iterator[tuple[Callable[[], None], Bars]]:
     """Yield bars on stderr, and what to call now and then so that an interrupt gets through."""
-    first = SpinnerColumn(), TextColumn("{task.description}"), BarColumn()
     errors = Console(stderr=True)
+    spinner = SpinnerColumn("dots" if errors.encoding.startswith("utf") else "line")
+    bar = [BarColumn()] if errors.width >= _ROOM_FOR_A_BAR else []
+    first = spinner, TextColumn("{task.description}"), *bar
     with (
         interruptible() as check,
         Bars(*first, *columns, console=errors, transient=True, disable=quiet) as made,

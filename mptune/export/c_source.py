@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.escaping import c_string, comment_text
 from mptune.export.formats import Precision
 from mptune.force.search_space import search_space
 
@@ -99,7 +100,7 @@ def c_sources(controller: TargetController) -> dict[str, str]:
 
 def c_comment(lines: Iterable[str]) -> str:
     """Return lines as one comment that no text in them can end or nest."""
-    safe = (line.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/") for line in lines)
+    safe = map(comment_text, lines)
     return "/*\n" + "".join(f" * {line}".rstrip() + "\n" for line in safe) + " */\n"
 
 
@@ -115,10 +116,10 @@ def _constants(controller: TargetController) -> str:
         states=len(search_space().first),
         candidates=max(round(numbers.value("candidates")), 1),
         trusted=int(controller.trusted),
-        verdict=controller.word,
-        hash=provenance["study_hash"],
-        version=provenance["version"],
-        date=provenance["date"],
+        verdict=c_string(controller.word),
+        hash=c_string(provenance["study_hash"]),
+        version=c_string(provenance["version"]),
+        date=c_string(provenance["date"]),
         members="\n".join(members),
     )
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
+from mptune.escaping import printable
 from mptune.export.controller import WARNING
 from mptune.export.variables import UNITS, variables
 from mptune.params.gains import version
@@ -106,9 +107,9 @@ def _root(controller: TargetController, fmi: str, **identity: str) -> ET.Element
         {
             "fmiVersion": fmi,
             "modelName": MODEL,
-            "description": "; ".join(texts),
+            "description": printable("; ".join(texts)),
             "generationTool": f"mptune {version()}",
-            "generationDateAndTime": controller.date,
+            "generationDateAndTime": printable(controller.date),
             "variableNamingConvention": "structured",
             **identity,
         },

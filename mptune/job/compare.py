@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
+from mptune.escaping import printable
 from mptune.files import make_folder, read_text, write_whole
 from mptune.params.gains import GainsFile, gains_for, read_gains
 from mptune.params.judged_on import differences, judged_on, refuse_other_controller
@@ -205,7 +206,7 @@ def _labels(entries: Sequence[_Entry]) -> list[str]:
     for entry in entries:
         path = entry.source.resolve()
         common = path.stem in {"gains", "study"}
-        name = path.parent.name if common else path.stem
+        name = printable(path.parent.name if common else path.stem)
         names.append(f"{name}, study's own" if entry.file is None else name)
     return [
         f"{name} ({names[: n + 1].count(name)})" if names.count(name) > 1 else name
@@ -224,8 +225,14 @@ def _judged(label: str, entry: _Entry) -> Compared:
         moves=linear_moves(study),
         judgement=judge_sweep(swept),
         differs=entry.differs,
-        recorded=file.figures.get("closed_loop", {}) if file else {},
+        recorded=_recorded(file) if file else {},
     )
+
+
+def _recorded(file: GainsFile) -> dict[str, Any]:
+    """Return the numbers that a gains file records; whatever else stands there is none."""
+    found = file.figures.get("closed_loop", {})
+    return {key: value for key, value in found.items() if isinstance(value, int | float)}
 
 
 def _drawn(found: Sequence[Compared]) -> list[tuple[str, SweepResult, tuple[LinearMove, ...]]]:

@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
+from mptune.escaping import file_name
 from mptune.export.as_written import rounded_section, written_gains
 from mptune.export.c_source import c_sources
 from mptune.export.constants import controller_numbers
@@ -137,7 +138,8 @@ def find_study(gains: str | Path, name: str) -> Path:
     """
     beside = Path(gains).resolve().parent
     places = [beside / "study.toml"]
-    for start in (beside, Path.cwd()):
+    plain = file_name(name) == name  # else no path of it: no folder above, no byte of zero
+    for start in (beside, Path.cwd()) if plain else ():
         places += [folder / "studies" / name / "study.toml" for folder in (start, *start.parents)]
     for place in places:
         if place.is_file():

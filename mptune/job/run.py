@@ -20,6 +20,7 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mptune.claim import claimed
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
 from mptune.job.report import draw, report
@@ -79,23 +80,31 @@ def run(
 
     Raises
     ------
+    InputError
+        If another process does the same job in the same folder.
     OutputError
         If results cannot be written.
     """
     out = Path(out)
     folder = make_folder(out / study.name)
-    result = _judged(study, folder, progress)
-    if compare:
-        progress("compare", 0.0)
-        compared = baselines(study, result.tuned, progress)
-        more = compared_files(folder, study, compared)
-        result = replace(result, compared=compared, files=(*result.files, *more))
+    with claimed(folder, "run", "a run of the whole job"):
+        result = _judged(study, folder, progress)
+        if compare:
+            progress("compare", 0.0)
+            compared = baselines(study, result.tuned, progress)
+            more = compared_files(folder, study, compared)
+            result = replace(result, compared=compared, files=(*result.files, *more))
+        return _handed_over(result, out, folder, progress)
+
+
+def _handed_over(result: JobResult, out: Path, folder: Path, progress: Progress) -> JobResult:
+    """Draw a result, write its report, and name all that was written."""
     progress("figures", 0.0)
     counts = encirclements(result.tuned.sweep)
     figures, picture = draw(result, counts)
     files = [*result.files]
     files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
-    files.append(write_whole(out / f"{study.name}.png", picture))
+    files.append(write_whole(out / f"{result.study.name}.png", picture))
     progress("report", 0.0)
     files += report(out, result, counts, figures)
     progress("report", 1.0)

@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import tomlkit
 
 from mptune.campaign.workers import workers
+from mptune.claim import claimed
+from mptune.escaping import comment_text
 from mptune.files import make_folder, write_whole
 from mptune.job.leftovers import keep
 from mptune.params.controller import Controller
@@ -45,13 +47,14 @@ def weights_study(
     Raises
     ------
     InputError
-        If optuna is missing, or storage, sampler or scheduler cannot be used.
+        If optuna is missing, storage, sampler or scheduler cannot be used, or another process
+        searches weights in the same folder.
     """
     from mptune.figures.style import to_svg
     from mptune.figures.weights import weights_figure
 
     folder = make_folder(Path(out) / study.name)
-    with workers(count, scheduler) as team:
+    with claimed(folder, "weights", "a search of weights"), workers(count, scheduler) as team:
         result = search_weights(
             study,
             team,
@@ -93,8 +96,10 @@ def _section(result: WeightsResult) -> str:
     found = result.recommendation
     document = tomlkit.document()
     verdict = "dominate" if found.dominates else "do not dominate"
-    document.add(tomlkit.comment(f"Weights for {result.study.name}; they {verdict} its own:"))
-    document.add(tomlkit.comment(found.reason))
+    document.add(
+        tomlkit.comment(comment_text(f"Weights for {result.study.name}; they {verdict} its own:"))
+    )
+    document.add(tomlkit.comment(comment_text(found.reason)))
     document.add(tomlkit.comment("Gains belong to their weights: sweep or tune again with these."))
     table = tomlkit.table()
     for name, unit, symbol, meaning in Controller.quantities():

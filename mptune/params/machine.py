@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Self
 
 from pydantic import Field, model_validator
 
 from mptune.params.section import Range, Section, quantity, refuse
+
+FEWEST_ROWS = 2
+"""Of a boom's table."""
 
 
 class Cylinder(Section):
@@ -150,3 +154,15 @@ class Load(Section):
     friction_static: float = quantity("N", "F_S", "stiction", at_least=0)
     friction_viscous: float = quantity("N s/m", "b", "viscous friction", at_least=0)
     friction_velocity: float = quantity("m/s", "v_S", "Stribeck velocity", above=0)
+
+    @model_validator(mode="after")
+    def _table_is_a_table(self) -> Self:
+        if not self.table:
+            return self
+        if len(self.table) < FEWEST_ROWS:
+            refuse(f"has a table of less than {FEWEST_ROWS} rows", "write the ends of the stroke")
+        if any(after[0] <= before[0] for before, after in pairwise(self.table)):
+            refuse("has a table whose positions do not rise", "order its rows")
+        if any(row[2] <= 0 for row in self.table):
+            refuse("has a table with an inertia that is not positive", "give factors above 0")
+        return self

@@ -10,6 +10,9 @@ from pydantic import Field, model_validator
 
 from mptune.params.section import Range, Section, quantity, refuse
 
+FEWEST_SAMPLES = 4
+"""Of a recorded reference."""
+
 
 class Manoeuvre(Section):
     """One move of the position reference, then a rest."""
@@ -38,6 +41,19 @@ class Manoeuvre(Section):
                 'has either no file with kind = "file" or a file with another kind',
                 'write kind = "file" and file = "name.csv"',
             )
+        return self
+
+    @model_validator(mode="after")
+    def _samples_are_a_move(self) -> Self:
+        if not self.samples:
+            return self
+        if len(self.samples) < FEWEST_SAMPLES:
+            refuse(f"has less than {FEWEST_SAMPLES} samples", "record more")
+        times = [time for time, _ in self.samples]
+        if any(after <= before for before, after in pairwise(times)):
+            refuse("has samples whose times do not rise", "order them")
+        if not math.isclose(self.duration, times[-1] - times[0], rel_tol=1e-9):
+            refuse("has a duration that is not its samples'", "leave samples to `file`")
         return self
 
     @property
@@ -126,7 +142,9 @@ class Verification(Section):
         "Pa", "B_oil", "oil bulk moduli; the ends of oil.bulk_modulus", (), above=0
     )
     load_forces: tuple[float, ...] = quantity("N", "F_load", "load forces; load.force", ())
-    seeds: tuple[int, ...] = quantity("1", "seed", "seeds of the random numbers", (1,))
+    seeds: tuple[int, ...] = quantity(
+        "1", "seed", "seeds of the random numbers", (1,), at_least=0, at_most=2**63 - 1
+    )
     repeats: int = quantity("1", "n", "movement sets per case", 1, at_least=1)
     duty: float = quantity(
         "1", "η", "share of the year in which the machine does these moves", 0.1,

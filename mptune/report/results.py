@@ -40,6 +40,8 @@ class Leftovers:
         Fig. 3's panels of ``identify``.
     figures
         Their figures: SVG bytes by name.
+    left_out
+        What could not be used, and why, in sentences.
     """
 
     compared: tuple[dict[str, Any], ...] = ()
@@ -47,6 +49,7 @@ class Leftovers:
     weights: tuple[dict[str, Any], ...] = ()
     panels: tuple[Panel, ...] = ()
     figures: Mapping[str, bytes] | None = None
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

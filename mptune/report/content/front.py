@@ -55,7 +55,7 @@ def front_page(results: Results) -> FrontPage:
         about=[f"{words}measurement path in the model: {study.study.model.measurement_path}"],
         headline=f"Verdict: {judged.word}",
         status=[f"{judged.because[:1].upper()}{judged.because[1:]}.", *_status(results)],
-        warnings=[*warnings(swept), *map(str, study.doubts)],
+        warnings=[*warnings(swept), *map(str, study.doubts), *results.leftovers.left_out],
         blocks=[block for table in tables for block in table.titled()],
     )
 

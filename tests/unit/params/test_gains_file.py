@@ -122,6 +122,13 @@ def test_gains_of_the_same_study_are_read(written):
     assert read_gains(written[0], HASH) == gains_file(date=read_gains(written[0]).date)
 
 
+def test_a_byte_order_mark_is_no_part_of_a_file(written):
+    path, _ = written
+    plain = read_gains(path)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert read_gains(path) == plain
+
+
 def test_gains_of_another_study_are_refused(written):
     fault = fault_of(*written, study_hash="b" * 64)
     assert fault.key == "study_hash"
