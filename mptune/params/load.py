@@ -13,6 +13,7 @@ from pydantic import BaseModel, ValidationError
 from mptune.errors import Fault, InputError
 from mptune.escaping import file_name
 from mptune.files import read_text
+from mptune.params.extent import faults_of_extent
 from mptune.params.format import FORMAT_KEY, STUDY_FORMAT
 from mptune.params.layers import Layers
 from mptune.params.measured import read_measured
@@ -71,12 +72,15 @@ def load_study(
         rule = f"has no hold to run with in a total delay below half a sampling period, {half:g} s"
         remedy = "raise uncertainty.delay, which holds that half, or write continuous"
         raise layers.refusal(Fault("objective.tracking_loop", "sampled", rule, remedy))
-    return ResolvedStudy(
+    resolved = ResolvedStudy(
         name=file_name(path.resolve().parent.name if path.stem == "study" else path.stem),
         study=study,
         uncertainty=chosen,
         uncertainty_name=uncertainty,
     )
+    if faults := list(faults_of_extent(resolved)):
+        raise layers.refusal(*faults)
+    return resolved
 
 
 def _layers(path: Path) -> Layers:

@@ -15,22 +15,26 @@ Derived = Literal["derived"]
 class Nominal(Section):
     """The nominal machine of Eq. 14; the least mass and the least delay where nothing is given."""
 
-    mass: float | None = quantity("kg", "m_min", "nominal mass", None, above=0)
-    delay: float | None = quantity("s", "d_min", "nominal delay", None, above=0)
+    mass: float | None = quantity("kg", "m_min", "nominal mass", None, at_least=10, at_most=1e7)
+    delay: float | None = quantity("s", "d_min", "nominal delay", None, at_least=1e-6, at_most=1)
 
 
 class UncertaintySet(Section):
     """A box of mass, total delay and pressure time constants."""
 
-    mass: Range = quantity("kg", "m", "effective inertia", above=0)
+    mass: Range = quantity("kg", "m", "effective inertia", at_least=10, at_most=1e7)
     delay: Range = quantity(
-        "s", "d", "total delay: half a sampling period, valve, computation", above=0
+        "s",
+        "d",
+        "total delay: half a sampling period, valve, computation",
+        at_least=1e-6,
+        at_most=1,
     )
     tau_a: Range | Derived = quantity(
-        "s", "τ_A", "A-side time constant, or derived", at_least=0, words=("derived",)
+        "s", "τ_A", "A-side time constant, or derived", words=("derived",), at_least=0, at_most=1
     )
     tau_b: Range | Derived = quantity(
-        "s", "τ_B", "B-side time constant, or derived", at_least=0, words=("derived",)
+        "s", "τ_B", "B-side time constant, or derived", words=("derived",), at_least=0, at_most=1
     )
     points: int = quantity("1", "n", "points per parameter", 7, at_least=1, at_most=51)
     nominal: Nominal = Nominal()
