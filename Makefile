@@ -6,7 +6,7 @@ BIN := $(VENV)/bin
 STAMP := $(VENV)/.installed
 STUDY ?= studies/boom/study.toml
 
-.PHONY: run test bench format setup coverage mutants
+.PHONY: run test bench fuzz format setup coverage mutants
 
 run: setup
 	$(BIN)/mptune run $(STUDY)
@@ -21,9 +21,13 @@ test: setup
 bench: setup
 	$(BIN)/pytest -m bench -s -p no:randomly tests/bench
 
+# Extreme studies and full disks, by rule and at length: half an hour.
+fuzz: setup
+	NUMBA_NUM_THREADS=1 $(BIN)/pytest -m fuzz -s -n 0 tests/faults
+
 # Kernels count too: they run interpreted once, so that their lines are seen.
 coverage: setup
-	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -m "not bench and not compiled"
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -m "not bench and not fuzz and not compiled"
 	$(BIN)/coverage combine
 	$(BIN)/coverage report
 

@@ -78,7 +78,9 @@ def sweep(result: SweepResult, chain: tuple[Link, ...] = ()) -> None:
 def verified(result: VerifyResult) -> None:
     """Print each machine's figures and status."""
     from mptune.report.content.closed_loop import machines
+    from mptune.report.content.front import standing
 
+    opening([], standing(result.study))
     show(machines(result))
 
 

@@ -58,7 +58,9 @@ class Campaign(Section):
         "N", "F_load", "load force", None, at_least=-1e9, at_most=1e9
     )
     friction: Range = quantity(
-        "1", "s_μ", "factor of Coulomb friction, stiction and viscous friction", (1.0, 1.0), at_least=0, at_most=1e3)  # fmt: skip
+        "1", "s_μ", "factor of Coulomb friction, stiction and viscous friction", (1.0, 1.0),
+        at_least=0, at_most=1e3,
+    )  # fmt: skip
     temperature: Range = quantity(
         "K", "T", "oil temperature; 313.15 K, 40 °C, changes nothing", (313.15, 313.15),
         at_least=250, at_most=400,

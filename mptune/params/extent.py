@@ -51,6 +51,9 @@ def _moves_and_ticks(resolved: ResolvedStudy) -> Iterator[Fault]:
             rule = f"is shorter than a tick of {tick:g} s: nothing would be simulated"
             key = f"manoeuvre[{number}].duration"
             yield Fault(key, f"{move.duration:g} s", rule, "give a longer move")
+        if move.kind == "file" and move.stands:
+            rule = "moves nowhere, from its first sample to its last"
+            yield Fault(f"manoeuvre[{number}].file", "", rule, "record a move")
         for name in ("duration", "rest"):
             if getattr(move, name) > longest:
                 longest, place = getattr(move, name), f"manoeuvre[{number}].{name}"

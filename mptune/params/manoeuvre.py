@@ -51,6 +51,11 @@ class Manoeuvre(Section):
         return 0.0 if self.kind == "sine" else self.distance
 
     @property
+    def stands(self) -> bool:
+        """Whether the move covers no distance, so that there is no index to judge it by."""
+        return self.reach == (0.0, 0.0)
+
+    @property
     def reach(self) -> tuple[float, float]:
         """Least and largest position on the way, from the begin [m]."""
         places = [0.0, self.distance, self.net_distance]

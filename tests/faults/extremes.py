@@ -35,7 +35,13 @@ def _fields(prefix, model):
             if name not in {"campaign", "identification", "requirements", "objective"}:
                 yield from _fields(f"{prefix}{name}.", kind)
         elif isinstance(extra, dict) and "unit" in extra:
-            shape = "pair" if model.is_range(name) else "list" if "..." in repr(kind) or "Ellipsis" in repr(kind) else "one"
+            shape = (
+                "pair"
+                if model.is_range(name)
+                else "list"
+                if "..." in repr(kind) or "Ellipsis" in repr(kind)
+                else "one"
+            )
             whole = kind is int or "int" in repr(kind)
             yield f"{prefix}{name}", extra, shape, whole
 
@@ -91,8 +97,10 @@ def extremes(study, seed=1, pairs=150):
                 Extreme("a power of ten", (override(key, extra, shape, whole, own * 10.0**power),))
                 for power in (-6, -3, -2, -1, 1, 2, 3, 6)
             ]
-    ends = [one for one in singles if one.kind in {"least", "largest", "a thousandth of the largest"}]
-    random_numbers = random.Random(seed)
+    ends = [
+        one for one in singles if one.kind in {"least", "largest", "a thousandth of the largest"}
+    ]
+    random_numbers = random.Random(seed)  # noqa: S311 - no secret
     both = list(itertools.combinations(ends, 2))
     chosen = random_numbers.sample(both, pairs)
     mixed = [
@@ -107,8 +115,13 @@ def moves():
     """Return moves of no length, of no time, of too much of it, and many."""
     shapes = ("quintic", "trapezoid", "s-curve", "sine")
     for kind, distance, duration, rest, cycles in itertools.product(
-        shapes, ("0 mm", "1e-9 m", "150 mm"), ("1e-9 s", "0.6 ms", "2 s", "1e4 s"), ("0 s", "1e4 s", "1e12 s"), (1, 10_000, 10**9)
+        shapes,
+        ("0 mm", "1e-9 m", "150 mm"),
+        ("1e-9 s", "0.6 ms", "2 s", "1e4 s"),
+        ("0 s", "1e4 s", "1e12 s"),
+        (1, 10_000, 10**9),
     ):
         if cycles == 1 or kind == "sine":
-            text = f'manoeuvre=[{{kind="{kind}", distance="{distance}", duration="{duration}", rest="{rest}", cycles={cycles}}}]'
+            values = f'kind="{kind}", distance="{distance}", duration="{duration}", rest="{rest}"'
+            text = f"manoeuvre=[{{{values}, cycles={cycles}}}]"
             yield Extreme(f"{kind} moves", (text,))

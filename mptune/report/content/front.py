@@ -28,6 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
     from mptune.params.section import Section
+    from mptune.params.study import ResolvedStudy
     from mptune.report.results import Results
     from mptune.robust.result import Check, SweepResult
     from mptune.tune.result import TuneResult
@@ -51,7 +52,7 @@ def front_page(results: Results) -> FrontPage:
         about=[f"{words}measurement path in the model: {study.study.model.measurement_path}"],
         headline=headline(met=results.satisfied),
         status=list(_status(results)),
-        warnings=[*warnings(swept), *results.leftovers.left_out],
+        warnings=[*warnings(swept), *standing(study), *results.leftovers.left_out],
         blocks=[block for table in tables for block in table.titled()],
     )
 
@@ -119,6 +120,13 @@ def warnings(swept: SweepResult) -> list[str]:
         if check.status is Status.NOT_EVALUATED
     ]
     return found
+
+
+def standing(study: ResolvedStudy) -> list[str]:
+    """Return that moves cover no distance, where none does: then there is no index."""
+    if not all(move.stands for move in study.study.manoeuvre):
+        return []
+    return ["No move covers any distance: there is no performance index, and no loss per travel."]
 
 
 def gains(
