@@ -45,7 +45,10 @@ class Campaign(Section):
     seed: int = quantity(
         "1", "seed", "seed of parameters and noise", 1, at_least=0, at_most=2**63 - 1
     )
-    sets: int = quantity("1", "n", "movement sets per run; of several, the first is left out", 1, at_least=1, at_most=100_000)  # fmt: skip
+    sets: int = quantity(
+        "1", "n", "movement sets per run; of several, the first is left out", 1,
+        at_least=1, at_most=100_000,
+    )  # fmt: skip
     chunk: int = quantity("1", "n_c", "runs per chunk file", 100, at_least=1, at_most=1_000_000)
     mass: Range | None = quantity("kg", "m", "effective inertia", None, at_least=10, at_most=1e7)
     valve_delay: Range | None = quantity(

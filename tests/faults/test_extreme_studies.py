@@ -48,6 +48,7 @@ def test_the_ranges_are_wide(study_file, key, least, largest):
         load_study(study_file, (*BRIEF, f"{key}={text}"))
 
 
+_LONGER = 'manoeuvre=[{distance="1 mm", duration="1 s", rest="2 s"}]'
 _SINE = 'manoeuvre=[{kind="sine", distance="1 mm", duration="1 s", rest="0 s", cycles=1000000000}]'
 REFUSED = [
     ('gains.tau="1e6 s"', "at most 1 s"),
@@ -66,11 +67,7 @@ REFUSED = [
     ('manoeuvre=[{distance="1 mm", duration="1 s", rest="9e3 s"}]', "GB for 1 machines"),
     ("verification.repeats=99999|controller.fast_sampling_period=10 us", "ticks"),
     ("uncertainty.points=51", "plants"),
-    (
-        'manoeuvre=[{distance="1 mm", duration="1 s", rest="2 s"}]'
-        '|uncertainty.delay=["1 us", "1 us"]',
-        "steps of a move",
-    ),
+    (f'{_LONGER}|uncertainty.delay=["1 us", "1 us"]', "steps of a move"),
 ]
 
 
