@@ -7,11 +7,13 @@ and dashed, a reference dotted.
 
 from __future__ import annotations
 
+import contextlib
 import io
+import warnings
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
+    from collections.abc import Iterator
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -45,12 +47,19 @@ _SETTINGS: dict[str, Any] = {
 }
 
 
-def style() -> AbstractContextManager[None]:
-    """Return the context in which figures are drawn."""
+@contextlib.contextmanager
+def style() -> Iterator[None]:
+    """Return the context in which figures are drawn.
+
+    What the library has to say of letters that its font lacks, or of axes without extent, is kept
+    from the user: the figure shows it.
+    """
     import matplotlib as mpl
 
     settings: Any = _SETTINGS
-    return mpl.rc_context(settings)
+    with mpl.rc_context(settings), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", category=UserWarning)
+        yield
 
 
 def new_figure(height: float) -> Figure:
