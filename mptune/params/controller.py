@@ -75,7 +75,7 @@ class Controller(Section):
         "N/J", "W_loss", "weight of energy losses", at_least=0, at_most=1e12
     )
     weight_converter: float = quantity(
-        "N s/m^6", "W_conv", "weight of converter piston positions", at_least=0, at_most=1e24
+        "N s/m^6", "W_conv", "weight of converter piston positions", at_least=0, at_most=1e40
     )
 
     @model_validator(mode="after")
