@@ -14,6 +14,7 @@ from mptune.figures.style import (
     REFERENCE,
     WORST,
     band,
+    drawable,
     legend_below,
     new_figure,
     style,
@@ -117,7 +118,8 @@ def _draw_steps(axes: Axes, result: SweepResult, condition: Condition) -> None:
 
 
 def _steps(loops: FamilyLoops, name: str, time: FloatArray) -> FloatArray:
-    return velocity_step(loops, time) if name == "velocity" else position_step(loops, time)
+    found = velocity_step(loops, time) if name == "velocity" else position_step(loops, time)
+    return drawable(found)
 
 
 def step_horizon(gains: LoopGains, plants: Plants) -> tuple[float, float]:

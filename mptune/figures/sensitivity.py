@@ -12,6 +12,7 @@ from mptune.figures.style import (
     REFERENCE,
     WORST,
     band,
+    drawable,
     legend_below,
     new_figure,
     style,
@@ -79,7 +80,7 @@ def load_response(result: SweepResult) -> Figure:
     packed = loops[0].gains
     slowest = max(packed.k_p_pos, packed.k_i_pos**0.5, packed.k_p_vel / model.nominal.mass / 100)
     time = np.linspace(0, min(_LONGEST / slowest, *map(farthest, loops)), 301)
-    family, nominal = (1e6 * load_step(one, time) for one in loops)  # mm/kN
+    family, nominal = (drawable(1e6 * load_step(one, time)) for one in loops)  # mm/kN
     worst = int(np.argmax(np.abs(family).max(axis=1)))
     with style():
         figure = new_figure(2.5)

@@ -176,10 +176,11 @@ def test_every_command_on_a_small_disk(study_file, mounted, tmp_path, command):
     for size in SIZES:
         out = mounted(size)
         for line in lines_of(command, study_file, gains, out):
-            for _ in range(2):
+            for again in (False, True):
+                more = ["--resume"] if again and command == "campaign" else []
                 before = state(out)
                 done = subprocess.run(
-                    [sys.executable, "-m", "mptune.cli", *line],
+                    [sys.executable, "-m", "mptune.cli", *line, *more],
                     capture_output=True, text=True, check=False,
                 )  # fmt: skip
                 after = state(out)
