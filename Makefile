@@ -22,7 +22,8 @@ test: setup
 bench: setup
 	$(BIN)/pytest -m bench -s -p no:randomly tests/bench
 
-# MINUTES=10 chooses how long bytes are spoilt at random.
+# Bad input, extreme studies, full disks and spoilt bytes, by rule and at length: half an hour and
+# more. MINUTES=10 chooses how long bytes are spoilt at random.
 fuzz: setup
 	NUMBA_NUM_THREADS=1 $(BIN)/pytest -m fuzz -s -n 0 tests/faults
 

@@ -8,6 +8,7 @@ Only typer is imported here, so that ``--help`` answers at once.
 
 from __future__ import annotations
 
+import errno
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -197,6 +198,10 @@ def _failed(error: Exception) -> int:
         return _say(str(error), BAD_INPUT)
     if isinstance(error, MptuneError):
         return _say(str(error), UNFINISHED)
+    if isinstance(error, OSError) and error.errno in {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}:
+        place = error.filename or "the folder for results or for temporary files"
+        text = f"{place}: {error.strerror}; nothing was left half-written; free some space"
+        return _say(text, UNFINISHED)
     import traceback
 
     where = traceback.extract_tb(error.__traceback__)[-1]

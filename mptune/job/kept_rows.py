@@ -10,18 +10,18 @@ from typing import Any, Final, Literal
 from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
 
 
-class _Row(BaseModel):
+class _KeptRow(BaseModel):
     model_config = ConfigDict(strict=True)
 
 
-class _Figures(_Row):
+class _Figures(_KeptRow):
     tracking_index_s: float | None
     k_i_pos: float | None
     load_step_m_per_n: float | None
     bandwidth_rad_s: float | None
 
 
-class _Controller(_Row):
+class _Controller(_KeptRow):
     structure: Literal["own", "p", "pi", "pid", "eq22"]
     figures: _Figures
     velocity_worst_ratio: float
@@ -30,12 +30,12 @@ class _Controller(_Row):
     satisfied: bool
 
 
-class _Point(_Row):
+class _Point(_KeptRow):
     figures: _Figures
     converged: bool
 
 
-class _Trial(_Row):
+class _Trial(_KeptRow):
     name: str
     reason: str = ""
     weights: dict[str, float | None] = {}

@@ -15,6 +15,7 @@ from mptune.errors import Fault, InputError
 from mptune.escaping import file_name
 from mptune.files import read_text
 from mptune.params.coherence import doubts_of, refusals_of
+from mptune.params.extent import faults_of_extent
 from mptune.params.format import FORMAT_KEY, STUDY_FORMAT
 from mptune.params.layers import Layers
 from mptune.params.measured import read_measured
@@ -95,6 +96,8 @@ def load_study(
         uncertainty=chosen,
         uncertainty_name=uncertainty,
     )
+    if faults := list(faults_of_extent(resolved)):
+        raise layers.refusal(*faults)
     return resolved.model_copy(update={"doubts": doubts_of(resolved)})
 
 

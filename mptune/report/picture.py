@@ -76,7 +76,7 @@ def _check_drawable(svg: bytes) -> None:
         (path.parent / "one.svg").write_bytes(svg)
         path.write_text('#image("one.svg")')
         try:
-            typst.compile(path, root=folder, ignore_system_fonts=True)
+            typst.compile(path, root=path.parent, ignore_system_fonts=True)
         except typst.TypstError as error:
             raise ValueError(f"cannot be drawn: {error.message}") from error
 

@@ -59,7 +59,7 @@ class SetFigures:
 
 def set_figures(record: RunRecord) -> SetFigures:
     """Return the figures of one movement set."""
-    tick, travel = record.sample_time, 1e3 * record.travel
+    tick, travel = record.sample_time, 1e3 * record.travel or np.nan  # no way, no figure per way
     last = np.clip(np.rint(record.ends / tick).astype(np.int64) - 1, 0, len(record.position) - 1)
     low, high = record.force_limits
     at_limit = (record.force_reference <= low) | (record.force_reference >= high)
@@ -68,7 +68,7 @@ def set_figures(record: RunRecord) -> SetFigures:
     error, velocity = record.error, record.velocity
     duration = tick * len(error)
     return SetFigures(
-        performance_index_ms=1e3 * performance_index(error, velocity),
+        performance_index_ms=1e3 * performance_index(error, velocity) if record.travel else np.nan,
         energy_loss_j_per_mm=record.energies.loss / travel,
         pump_loss_j_per_mm=record.energies.pump_loss / travel,
         force_error_integral_kn2s=float((record.force_error**2).sum()) * tick / 1e6,
@@ -99,8 +99,14 @@ def per_year(per_second: float, duty: float) -> float:
 
 
 def performance_index(error: FloatArray, velocity: FloatArray) -> float:
-    """Return the peak position error over the peak velocity [s], §7.2."""
-    return float(np.abs(error).max() / np.abs(velocity).max())
+    """Return the peak position error over the peak velocity [s], §7.2.
+
+    Infinite where nothing moved that should have, and NaN where nothing had to.
+    """
+    largest, fastest = float(np.abs(error).max()), float(np.abs(velocity).max())
+    if fastest == 0:
+        return float("inf") if largest > 0 else float("nan")
+    return largest / fastest
 
 
 def longest_oscillation(

@@ -171,7 +171,7 @@ def _judge(
 ) -> LinearMove:
     wanted, position, velocity, force = traces
     limit = _DIVERGED * reach
-    stable = bool(np.isfinite(traces).all() and np.abs(position).max() < limit)
+    stable = bool(np.isfinite(traces).all() and np.abs(position).max() <= limit)
     index = float("nan")
     if stable:
         index = 1e3 * performance_index(wanted - position, velocity)

@@ -85,9 +85,31 @@ def open_search(
             load_if_exists=True,
         )
     except Exception as error:  # whatever the database's driver raises
+        full = _full(error)
+        if full is not None:
+            raise full from error
         fault = Fault("", storage, f"cannot be opened: {error}", "give an address as optuna does")
         raise InputError("--storage", fault) from error
     return WeightSearch(bench, study, seed, sampler, tuple(also))
+
+
+def _full(error: BaseException) -> OutputError | None:
+    """Return the error of a disk without room for the database; None where that is not why."""
+    cause: BaseException | None = error
+    while cause is not None:
+        driver = getattr(cause, "orig", None)  # the database driver's own, of SQLAlchemy's
+        if getattr(driver, "sqlite_errorname", "") in {"SQLITE_FULL", "SQLITE_IOERR_WRITE"}:
+            return _failed(error)
+        cause = cause.__cause__
+    return None
+
+
+def _failed(error: BaseException) -> OutputError:
+    reason = str(error).partition("\n")[0]  # the rest is SQL
+    return OutputError(
+        f"the database of the search failed ({reason}); what it holds is kept: free some space "
+        "where the disk is full, and run the command again to go on"
+    )
 
 
 def _check_words(where: str, words: Sequence[str], known: Sequence[str]) -> None:
@@ -134,15 +156,13 @@ class WeightSearch:
         OutputError
             If the database fails while the search is under way.
         """
+        from optuna.exceptions import StorageInternalError
         from sqlalchemy.exc import SQLAlchemyError
 
         try:
             return self._run(trials, first, limits, progress)
-        except SQLAlchemyError as error:
-            raise OutputError(
-                f"the database of the search failed ({error}); what it holds is kept, run the "
-                "command again to go on"
-            ) from error
+        except (SQLAlchemyError, StorageInternalError) as error:
+            raise _failed(error) from error
 
     def _run(
         self,

@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
     from mptune.params.judged_on import Difference
     from mptune.params.section import Section
+    from mptune.params.study import ResolvedStudy
     from mptune.report.results import Results
     from mptune.robust.headline import Judgement
     from mptune.robust.result import Check, SweepResult
@@ -55,7 +56,12 @@ def front_page(results: Results) -> FrontPage:
         about=[f"{words}measurement path in the model: {study.study.model.measurement_path}"],
         headline=f"Verdict: {judged.word}",
         status=[f"{judged.because[:1].upper()}{judged.because[1:]}.", *_status(results)],
-        warnings=[*warnings(swept), *map(str, study.doubts), *results.leftovers.left_out],
+        warnings=[
+            *warnings(swept),
+            *map(str, study.doubts),
+            *standing(study),
+            *results.leftovers.left_out,
+        ],
         blocks=[block for table in tables for block in table.titled()],
     )
 
@@ -125,6 +131,13 @@ def warnings(swept: SweepResult) -> list[str]:
         if check.status is Status.NOT_EVALUATED
     ]
     return found
+
+
+def standing(study: ResolvedStudy) -> list[str]:
+    """Return that moves cover no distance, where none does: then there is no index."""
+    if not all(move.stands for move in study.study.manoeuvre):
+        return []
+    return ["No move covers any distance: there is no performance index, and no loss per travel."]
 
 
 def gains(
