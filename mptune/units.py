@@ -81,10 +81,16 @@ def parse_quantity(text: str, unit: str) -> float:
     return value
 
 
-def label_and_unit(text: str) -> tuple[str, str]:
-    """Return name and unit of a column's heading, ``"F_ref [kN]"``; the unit may be missing."""
-    label, _, rest = text.partition("[")
-    return label.strip(), rest.rstrip().removesuffix("]").strip()
+def is_unit(text: str) -> bool:
+    """Return whether a text is a unit of anything."""
+    written = _typed(text)
+    if len(written) > _LONGEST_UNIT or _UNIT.fullmatch(written) is None:
+        return False
+    try:
+        registry().parse_units(written)
+    except Exception:  # noqa: BLE001 - pint's parser raises whatever its tokenizer met
+        return False
+    return True
 
 
 def _typed(text: str) -> str:
@@ -164,6 +170,35 @@ def number(value: float, digits: int = 4) -> str:
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     mantissa = mantissa.rstrip("0").rstrip(".")
     return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+
+
+_DECIMAL = re.compile(r"(?<![\w.])[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?(?![\w.])")
+_ALL_DIGITS = 17  # tell any two floats apart
+
+
+def exact(value: float) -> str:
+    """Return the shortest decimal that reads back as this value: a limit, as it was written."""
+    return repr(value).removesuffix(".0")
+
+
+def number_beside(value: float, limits: str, digits: int = 4) -> str:
+    """Return a number for print, with as many digits as it needs to differ from its limits.
+
+    Parameters
+    ----------
+    value
+        The number.
+    limits
+        The limits as they are printed beside it, such as ``"≤ 0.48"`` or ``"2 … 5 1/s"``.
+    digits
+        Significant digits where they suffice.
+    """
+    others = [float(text) for text in _DECIMAL.findall(limits)]
+    for more in range(digits, _ALL_DIGITS):
+        text = number(value, more)
+        if all(one == value or text != number(one, more) for one in others):
+            return text
+    return exact(value)
 
 
 def shown(value: Any, unit: str, *, ranged: bool = False) -> str:

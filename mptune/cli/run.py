@@ -31,7 +31,7 @@ def run(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: Annotated[
-        bool, typer.Option("--quiet", "-q", help="No progress, and the last line only.")
+        bool, typer.Option("--quiet", "-q", help="No progress, and the first line only.")
     ] = False,
     verbose: VerboseOption = False,
 ) -> None:
@@ -53,10 +53,10 @@ def run(
 def _say(result: JobResult, *, quiet: bool, verbose: bool) -> None:
     from mptune.cli import show, show_run, show_tune
 
+    show.headline(result.judgement)
     if verbose:
         show_tune.tuned(result.tuned)
         show_run.details(result)
         show.files(result.files)
     elif not quiet:
         show_run.summary(result)
-    show_run.outcome(met=result.satisfied)

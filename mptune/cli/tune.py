@@ -48,5 +48,6 @@ def tune(
     if json:
         show.as_json(with_warnings(result.json(), loaded))
     else:
+        show.headline(result.judgement)
         whole_tuning(result)
-    finish(met=result.tuned.sweep.satisfied)
+    finish(met=result.judgement.met)

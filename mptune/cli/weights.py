@@ -33,7 +33,9 @@ def weights(
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the search.")] = 1,
     also: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="Search sampling_period or tolerances too; repeatable."),
+        typer.Option(
+            metavar="NAME", help="Search sampling_period, tolerances, common_mode too; repeatable."
+        ),
     ] = None,
     storage: Annotated[
         str, typer.Option(metavar="ADDRESS", help="Optuna's database; else weights.db in --out.")

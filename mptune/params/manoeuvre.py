@@ -10,6 +10,9 @@ from pydantic import Field, model_validator
 
 from mptune.params.section import Range, Section, quantity, refuse
 
+FEWEST_SAMPLES = 4
+"""Of a recorded reference."""
+
 
 class Manoeuvre(Section):
     """One move of the position reference, then a rest."""
@@ -18,15 +21,20 @@ class Manoeuvre(Section):
         "quintic", description="shape of the reference"
     )
     distance: float = quantity(
-        "m", "A", "signed length of the move; of a sine, from one end to the other", 0.0
+        "m",
+        "A",
+        "signed length of the move; of a sine, from one end to the other",
+        0.0,
+        at_least=-50,
+        at_most=50,
     )
-    duration: float = quantity("s", "T", "time of the move", above=0)
-    rest: float = quantity("s", "T_rest", "rest after the move", at_least=0)
+    duration: float = quantity("s", "T", "time of the move", at_least=1e-9, at_most=1e4)
+    rest: float = quantity("s", "T_rest", "rest after the move", at_least=0, at_most=1e4)
     ramp_share: float = quantity(
         "1", "r", "share of the time for each ramp of trapezoid and s-curve", 0.25, above=0,
         at_most=0.5,
     )  # fmt: skip
-    cycles: int = quantity("1", "n", "cycles of a sine", 1, at_least=1)
+    cycles: int = quantity("1", "n", "cycles of a sine", 1, at_least=1, at_most=10000)
     samples: tuple[tuple[float, float], ...] = Field(
         (), description="time [s] and position [m], read from the file that `file` names"
     )
@@ -40,12 +48,30 @@ class Manoeuvre(Section):
             )
         return self
 
+    @model_validator(mode="after")
+    def _samples_are_a_move(self) -> Self:
+        if not self.samples:
+            return self
+        if len(self.samples) < FEWEST_SAMPLES:
+            refuse(f"has less than {FEWEST_SAMPLES} samples", "record more")
+        times = [time for time, _ in self.samples]
+        if any(after <= before for before, after in pairwise(times)):
+            refuse("has samples whose times do not rise", "order them")
+        if not math.isclose(self.duration, times[-1] - times[0], rel_tol=1e-9):
+            refuse("has a duration that is not its samples'", "leave samples to `file`")
+        return self
+
     @property
     def net_distance(self) -> float:
         """How far from its begin the move ends [m]."""
         if self.kind == "file":
             return self.samples[-1][1] - self.samples[0][1]
         return 0.0 if self.kind == "sine" else self.distance
+
+    @property
+    def stands(self) -> bool:
+        """Whether the move covers no distance, so that there is no index to judge it by."""
+        return self.reach == (0.0, 0.0)
 
     @property
     def reach(self) -> tuple[float, float]:
@@ -114,20 +140,33 @@ class Manoeuvre(Section):
 class Verification(Section):
     """The machines on which the gains are proven; what is left out follows the study's ranges."""
 
-    start: float = quantity("m", "x_0", "piston position at the start", at_least=0)
+    start: float = quantity("m", "x_0", "piston position at the start", at_least=0, at_most=50)
     masses: tuple[float, ...] = quantity(
-        "kg", "m", "masses; the ends of uncertainty.mass", (), above=0
+        "kg", "m", "masses; the ends of uncertainty.mass", (), at_least=10, at_most=1e7
     )
     valve_delays: tuple[float | Range, ...] = quantity(
         "s", "d_v", "valve delays, valves.delay; a pair is drawn from at each switching", (),
-        at_least=0,
+        at_least=0, at_most=1,
     )  # fmt: skip
     oil_bulk_moduli: tuple[float, ...] = quantity(
-        "Pa", "B_oil", "oil bulk moduli; the ends of oil.bulk_modulus", (), above=0
+        "Pa",
+        "B_oil",
+        "oil bulk moduli; the ends of oil.bulk_modulus",
+        (),
+        at_least=1e7,
+        at_most=1e11,
     )
-    load_forces: tuple[float, ...] = quantity("N", "F_load", "load forces; load.force", ())
-    seeds: tuple[int, ...] = quantity("1", "seed", "seeds of the random numbers", (1,))
-    repeats: int = quantity("1", "n", "movement sets per case", 1, at_least=1)
+    load_forces: tuple[float, ...] = quantity(
+        "N", "F_load", "load forces; load.force", (), at_least=-1e9, at_most=1e9
+    )
+    seeds: tuple[int, ...] = quantity(
+        "1", "seed", "seeds of the random numbers", (1,), at_least=0, at_most=2**63 - 1
+    )
+    repeats: int = quantity("1", "n", "movement sets per case", 1, at_least=1, at_most=100_000)
+    duty: float = quantity(
+        "1", "η", "share of the year in which the machine does these moves", 0.1,
+        above=0, at_most=1,
+    )  # fmt: skip
 
     @model_validator(mode="after")
     def _delay_pairs_are_ordered(self) -> Self:

@@ -18,12 +18,18 @@ RatioCurve = tuple[tuple[float, float], ...]
 class GainBounds(Section):
     """Smallest and largest value of single gains; a missing one is free within the default."""
 
-    k_p_vel: Range | None = quantity("N s/m", "K_P,vel", "bounds of K_P,vel", None, above=0)
-    k_p_pos: Range | None = quantity("1/s", "K_P,pos", "bounds of K_P,pos", None, at_least=0)
-    k_i_pos: Range | None = quantity("1/s^2", "K_I,pos", "bounds of K_I,pos", None, at_least=0)
-    omega: Range | None = quantity("rad/s", "ω", "bounds of ω", None, above=0)
-    xi: Range | None = quantity("1", "ξ", "bounds of ξ", None, at_least=0)
-    tau: Range | None = quantity("s", "τ", "bounds of τ", None, above=0)
+    k_p_vel: Range | None = quantity(
+        "N s/m", "K_P,vel", "bounds of K_P,vel", None, at_least=1, at_most=1e12
+    )
+    k_p_pos: Range | None = quantity(
+        "1/s", "K_P,pos", "bounds of K_P,pos", None, at_least=0, at_most=1e5
+    )
+    k_i_pos: Range | None = quantity(
+        "1/s^2", "K_I,pos", "bounds of K_I,pos", None, at_least=0, at_most=1e9
+    )
+    omega: Range | None = quantity("rad/s", "ω", "bounds of ω", None, at_least=0.01, at_most=1e6)
+    xi: Range | None = quantity("1", "ξ", "bounds of ξ", None, at_least=0, at_most=1e3)
+    tau: Range | None = quantity("s", "τ", "bounds of τ", None, at_least=1e-5, at_most=1)
 
     @field_validator("k_p_pos")
     @classmethod

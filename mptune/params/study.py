@@ -22,6 +22,8 @@ from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+CHOSEN = ("gains", "feedforward")
+"""Sections that a tuner may choose: they stand in gains files and outside the model's hash."""
 
 SOURCE_KINDS = ("published", "derived", "assumed", "measured")
 _LIKE_THIS = 'write sources like "cylinder.bore" = "derived: how"'
@@ -177,9 +179,9 @@ class ResolvedStudy(Summarised, Section):
         return self.study.title or self.name
 
     def model_values(self) -> dict[str, Any]:
-        """Return the SI model: all but gains, what they are tried on, title and sources."""
+        """Return the SI model: all but what is chosen, what it is tried on, title and sources."""
         tried_on = {"verification", "identification", "campaign"}
-        left_out = {"gains", "title", "sources", "uncertainty", *tried_on}
+        left_out = {*CHOSEN, "title", "sources", "uncertainty", *tried_on}
         values = self.study.model_dump(exclude=left_out)
         unnamed = {"measured": {"__all__": {"name"}}}  # a file's content counts, not its name
         box = self.uncertainty.model_dump(exclude=unnamed)

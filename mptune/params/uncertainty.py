@@ -15,10 +15,10 @@ Derived = Literal["derived"]
 class Nominal(Section):
     """The nominal machine of Eq. 14; the least mass and the least delay where nothing is given."""
 
-    mass: float | None = quantity("kg", "m_min", "nominal mass", None, above=0)
-    delay: float | None = quantity("s", "d_min", "nominal delay", None, above=0)
+    mass: float | None = quantity("kg", "m_min", "nominal mass", None, at_least=10, at_most=1e7)
+    delay: float | None = quantity("s", "d_min", "nominal delay", None, at_least=1e-6, at_most=1)
     delay_as_it_runs: float | None = quantity(
-        "s", "d_min,r", "nominal delay beside an explicit path", None, above=0
+        "s", "d_min,r", "nominal delay beside an explicit path", None, at_least=1e-6, at_most=1
     )
 
 
@@ -30,20 +30,20 @@ class UncertaintySet(Section):
     its place, so that nothing is counted twice. A study that is loaded holds both as ranges.
     """
 
-    mass: Range = quantity("kg", "m", "effective inertia", above=0)
+    mass: Range = quantity("kg", "m", "effective inertia", at_least=10, at_most=1e7)
     delay: Range | Derived = quantity(
         "s", "d", "total delay: half a sampling period, valve, computation; or derived",
-        above=0, words=("derived",),
+        at_least=1e-6, at_most=1, words=("derived",),
     )  # fmt: skip
     delay_as_it_runs: Range | Derived | None = quantity(
         "s", "d_r", "total delay where path and sampling are explicit; or derived", None,
-        above=0, words=("derived",),
+        at_least=1e-6, at_most=1, words=("derived",),
     )  # fmt: skip
     tau_a: Range | Derived = quantity(
-        "s", "τ_A", "A-side time constant, or derived", at_least=0, words=("derived",)
+        "s", "τ_A", "A-side time constant, or derived", words=("derived",), at_least=0, at_most=1
     )
     tau_b: Range | Derived = quantity(
-        "s", "τ_B", "B-side time constant, or derived", at_least=0, words=("derived",)
+        "s", "τ_B", "B-side time constant, or derived", words=("derived",), at_least=0, at_most=1
     )
     points: int = quantity("1", "n", "points per parameter", 7, at_least=1, at_most=51)
     nominal: Nominal = Nominal()

@@ -12,7 +12,7 @@ from mptune.loops.running import running_family
 from mptune.robust.condition import nominal_loops
 from mptune.robust.running import family_figures, running_figures
 from mptune.robust.tracking import family_tracking
-from mptune.sim.response import load_step
+from mptune.sim.response import farthest, load_step
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
@@ -150,10 +150,9 @@ class Judge:
             self._model.plants.picked(self._loaded if rows is None else rows),
         )
         end = _LOAD_TIME / max(gains.k_p_pos, _LOAD_TIME / _LONGEST_LOAD_TIME)
-        time = np.linspace(0, end, _LOAD_SAMPLES)
-        return np.asarray(
-            np.abs(load_step(FamilyLoops(plants, gains, model.path), time)).max(axis=1)
-        )
+        loops = FamilyLoops(plants, gains, model.path)
+        time = np.linspace(0, min(end, farthest(loops)), _LOAD_SAMPLES)
+        return np.asarray(np.abs(load_step(loops, time)).max(axis=1))
 
     def bandwidth(self, gains: LoopGains) -> float:
         """Return the −3 dB bandwidth of the nominal closed position loop [rad/s]."""

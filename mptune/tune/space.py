@@ -19,11 +19,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from mptune.params.controller import Feedforward, Gains
+
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mptune.arrays import FloatArray
-    from mptune.params.controller import Feedforward
     from mptune.params.packed import LoopGains
     from mptune.params.section import Range
     from mptune.robust.model import LinearModel
@@ -212,7 +213,7 @@ def _default_bounds(model: LinearModel, k_p_vel: float) -> dict[str, Range]:
     """
     crossover = k_p_vel / model.nominal.mass
     half_period = model.period / 2
-    return {
+    wide = {
         "k_p_vel": (_LEAST_SHARE * k_p_vel, k_p_vel),
         "k_p_pos": (0.02 * crossover, 2 * crossover),
         "k_i_pos": (1e-4 * crossover**2, crossover**2),
@@ -222,6 +223,16 @@ def _default_bounds(model: LinearModel, k_p_vel: float) -> dict[str, Range]:
         "tau": (half_period, max(10 * half_period, 2 / crossover)),
         **{name: (0.0, one.largest(model)) for name, one in BESIDE.items()},
     }
+    return {name: _declared(name, pair) for name, pair in wide.items()}
+
+
+def _declared(name: str, pair: Range) -> Range:
+    """Return the part of a range within what the parameter's declaration allows."""
+    section = next((one for one in (Gains, Feedforward) if name in one.model_fields), None)
+    if section is None:
+        return pair
+    least, largest = section.bounds_of(name)
+    return min(max(pair[0], least), largest), min(max(pair[1], least), largest)
 
 
 def _stated(model: LinearModel) -> dict[str, Range]:

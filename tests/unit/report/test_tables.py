@@ -113,7 +113,7 @@ def test_a_blocked_tuning_says_what_blocks_and_what_would_have_to_give(swept):
     )  # fmt: skip
     first, gained, blocked, relief = tuning(tuned)
     assert first == "Tuning: infeasible."
-    assert "(sampled loop) 14.00 → 11.00 ms" in gained
+    assert "worst linear tracking index (sampled loop) 14.00 → 11.00 ms" in gained
     assert "0.13 → 0.13 mm/kN" in gained
     assert blocked == "Blocked by velocity_ratio at —: allow more."
     assert relief == "With all else kept, noise_gain would have to give by a factor 1.25."

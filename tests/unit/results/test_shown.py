@@ -10,7 +10,7 @@ NAMES = (
     "margins", "sides", "link", "study", "whole study", "gains file", "tuned", "baseline", "front",
     "front point", "design", "shaped", "structure", "move", "case", "record", "verified",
     "plan", "campaign",
-    "panel", "identified", "response", "fit", "weights", "job",
+    "panel", "identified", "response", "fit", "weights", "job", "judgement", "change", "difference",
 )  # fmt: skip
 TUPLES = {"plants", "margins", "sides"}
 

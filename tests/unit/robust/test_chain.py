@@ -56,6 +56,8 @@ def test_json_says_no_number_that_json_cannot_say():
     assert Link("sampled", np.nan, None).json() == {
         "model": "sampled",
         "gain_factor": None,
+        "guaranteed_gain_factor": None,
+        "stability": "stable",
         "at": None,
     }
 
