@@ -22,7 +22,7 @@ _STEPS = 5  # from one supply pressure to the next, of six
 def slowest_valves(study: Study) -> Iterator[Doubt]:
     """Doubt valves that, somewhere in their range, are as slow as the sampling period."""
     period, delay = study.controller.sampling_period, study.valves.delay
-    if delay[1] >= period:
+    if delay[1] >= period and study.controller.force_model == "dynamic":
         yield Doubt(
             ("valves.delay", "controller.sampling_period"),
             (shown(delay, "s", ranged=True), shown(period, "s")),

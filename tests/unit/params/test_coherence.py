@@ -101,6 +101,11 @@ def test_valves_slower_than_the_sampling_period_are_refused_before_any_work(load
     assert load('valves.delay=["5 ms", "9.9 ms"]').doubts == ()
 
 
+def test_the_steady_state_decision_may_be_slower_than_its_valves(load):
+    study = load('valves.delay=["5 ms", "10 ms"]', "controller.force_model=steady-state")
+    assert study.doubts == ()
+
+
 def test_slow_valves_that_are_not_tried_are_doubted_only(load):
     study = load('valves.delay=["5 ms", "12 ms"]', 'verification.valve_delays=["7 ms"]')
     keys = [one.keys for one in study.doubts]
