@@ -66,7 +66,8 @@ def test_an_unstable_family_has_none(load_boom, name):
 
 
 def test_without_room_for_the_hold_nothing_is_evaluated(load_boom):
-    asked = 'uncertainty.delay=["3 ms", "14 ms"]', "requirements.disk_margin=0.1"
+    short = 'uncertainty.delay_as_it_runs=["3 ms", "14 ms"]'
+    asked = short, "requirements.disk_margin=0.1", "objective.tracking_loop=continuous"
     result = sweep(load_boom(*asked, corners=True))
     (check,) = [check for check in result.checks if check.key == "disk_margin"]
     assert check.status is Status.NOT_EVALUATED
