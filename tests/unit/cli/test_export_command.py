@@ -75,13 +75,13 @@ def test_c_is_a_folder_of_sources(export, gains):
 
 
 def test_gains_are_rounded_to_the_digits_asked_for(export, gains, tmp_path):
-    given = gains("gains.tau=5.2463 ms", "gains.k_i_pos=23.456 1/s^2")
-    changed = ("--set", "gains.tau=5.2463 ms")  # gains are no part of the study's hash
+    given = gains("gains.tau=6.0463 ms", "gains.k_i_pos=22.456 1/s^2")
+    changed = ("--set", "gains.tau=6.0463 ms")  # gains are no part of the study's hash
     code, _, _, folder = export(given, "toml", "--digits", "3", *changed)
     values = tomllib.loads((folder / "controller.toml").read_text(encoding="utf-8"))
     assert code == 0
-    assert values["gains"]["tau"] == 0.00525
-    assert values["gains"]["k_i_pos"] == 23.5
+    assert values["gains"]["tau"] == 0.00605
+    assert values["gains"]["k_i_pos"] == 22.5
 
 
 def test_rounding_that_breaks_a_requirement_writes_nothing(export, gains):

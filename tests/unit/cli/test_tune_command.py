@@ -40,7 +40,7 @@ def test_json_of_a_comparison_and_a_front_holds_the_agreed_keys(tune, tmp_path):
         "status", "structure", "gains", "feedforward", "gains_before", "velocity_worst_ratio",
         "position_worst_ratio", "satisfied", "objective", "binding", "rounds", "blocking",
         "evaluations", "velocity_gain_limited_by", "compared", "front", "verdict",
-        "verdict_reason", "witness",
+        "verdict_reason", "witness", "warnings",
     } == set(values)  # fmt: skip
     assert set(values["gains"]) == GAINS
     assert set(values["objective"]["after"]) == FIGURES
@@ -123,6 +123,7 @@ def test_comparison_and_front_of_what_cannot_be_met_say_so_too(tune):
 
 
 def test_a_start_beyond_numbers_is_null_in_json(tune):
-    code, out, _ = tune("--json", "--set", "gains.k_p_pos=1e5 1/s")
+    continuous = ("--set", "objective.tracking_loop=continuous")
+    code, out, _ = tune("--json", "--set", "gains.k_p_pos=1e5 1/s", *continuous)
     assert code == (0 if json.loads(out)["verdict"] == "met" else 1)
     assert strict(out)["objective"]["before"]["tracking_index_s"] is None

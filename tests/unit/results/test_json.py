@@ -41,6 +41,7 @@ def test_requirements_keep_their_labels_as_names_and_have_keys_beside_them(resul
         "velocity_ratio",
         "position_ratio",
         "unstable_plants",
+        "noise_gain",
     ]
     assert said[0]["name"] == "velocity_ratio (Eq. 17)"
 
