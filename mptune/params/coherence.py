@@ -51,6 +51,8 @@ def doubts_of(resolved: ResolvedStudy) -> tuple[Doubt, ...]:
 
 
 def _slow_valves(study: Study, written: frozenset[str]) -> Iterator[Fault]:
+    if study.controller.force_model == "steady-state":
+        return  # it looks at no instant within T_S, and may wait for slow valves
     period = study.controller.sampling_period
     for number, (_, longest) in enumerate(study.verification.delay_ranges()):
         if longest < period:
