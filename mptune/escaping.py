@@ -55,7 +55,7 @@ def comment_text(text: str) -> str:
 
 
 def c_string(text: str) -> str:
-    """Return a text between the quotes of a string in C: ASCII letters, digits, ``._:+-``, spaces."""
+    """Return a text for a string in C: letters, digits and ``._:+-`` of ASCII, and spaces."""
     return "".join(c if c in _ASCII_STRING else "_" for c in text[:_LINE_LENGTH])
 
 

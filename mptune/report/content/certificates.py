@@ -38,7 +38,7 @@ _FIGURES = {
     "disk_margin": "disk margin α",
     "peak_compliance": "peak compliance [mm/kN]",
 }
-_FACTORS = {"peak_compliance": 1e6}  # from m/N to mm/kN
+_SCALES = {"peak_compliance": 1e6}  # m/N in mm/kN
 _FAILS = {
     "equation_17": "Eq. 17 reaches 1",
     "equation_21": "Eq. 21 reaches 1",
@@ -97,8 +97,8 @@ def _bound(one: Bound | None) -> str | Cell:
     if not np.isfinite(one.attained):
         return verdict("∞", good=False)
     sign = "≥" if one.figure == "disk_margin" else "≤"
-    factor = _FACTORS.get(one.figure, 1.0)
-    text = f"{factor * one.attained:.4f} {sign} {factor * one.bound:.4f}"
+    scale = _SCALES.get(one.figure, 1.0)
+    text = f"{scale * one.attained:.4f} {sign} {scale * one.bound:.4f}"
     return text if one.closed else verdict(f"{text}, open", good=False)
 
 
