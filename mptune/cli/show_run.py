@@ -8,7 +8,7 @@ from mptune.cli.terminal import files, opening, say, show
 from mptune.params.headline import Headline
 from mptune.report.blocks import Tabular
 from mptune.report.content.closed_loop import machines, movement_sets
-from mptune.report.content.front import NOT_RUN, front_page, tuning
+from mptune.report.content.front import NOT_RUN, front_page, tuning, warnings
 from mptune.report.content.loops import factors_text, gain_factors
 from mptune.verify.before_after import in_a_sentence
 
@@ -26,7 +26,7 @@ def summary(result: JobResult) -> None:
     texts = [first, " ".join(gained), factors_text(result.chain), run]
     judged = result.judgement  # the verdict's own line names the unstable plant
     said = judged.word is Headline.ON_PAPER and judged.witness is not None
-    opening(texts, () if said else page.warnings, good=tuned.blocking is None)
+    opening(texts, () if said else warnings(tuned.sweep), good=tuned.blocking is None)
     show(*(block.brief() for block in page.blocks if isinstance(block, Tabular)))
     named = {".pdf": 0, ".html": 1, ".toml": 2}
     shown = [path for path in result.files if path.suffix in named]

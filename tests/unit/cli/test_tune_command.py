@@ -10,6 +10,7 @@ pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 
 CORNERS = ("--set", "uncertainty.points=2")
 FIGURES = {"tracking_index_s", "k_i_pos", "load_step_m_per_n", "bandwidth_rad_s"}
+FIGURES |= {"disk_margin", "peak_compliance_m_per_n"}
 GAINS = {"k_p_vel", "k_p_pos", "k_i_pos", "omega", "xi", "tau"}
 
 

@@ -17,6 +17,7 @@ from mptune.report.document import write_report
 from mptune.robust.chain import factor_text
 from mptune.robust.encirclements import encirclements
 from mptune.robust.headline import Judgement
+from mptune.robust.sweep import sweep
 from mptune.signals.tustin import discretise
 from mptune.units import shown
 
@@ -75,7 +76,8 @@ def test_text_holds_verdict_gains_and_sources(job, text):
 
 
 def test_the_chain_is_in_the_report_with_every_factor(job, text):
-    assert job.chain[-1].name == "nonlinear machine"
+    assert [link.name for link in job.chain if not link.beside][-1] == "nonlinear machine"
+    assert [link.name for link in job.chain if link.beside][-1] == "sampled, lumped delay"
     text = " ".join(text.split())
     after = text[text.index("How far the gain at") :]
     for link in job.chain:
@@ -168,8 +170,12 @@ def test_each_result_may_be_missing_alone(job, tmp_path, missing):
     assert "Parameters and their sources" in html
 
 
-def test_unstable_plants_with_the_measurement_path_are_said_on_the_first_page(job):
-    first = pypdf.PdfReader(pdf_of(job)).pages[0].extract_text()
+def test_unstable_plants_with_the_measurement_path_are_said_on_the_first_page(
+    job, tmp_path, load_boom
+):
+    unstable = changed(job, tmp_path, sweep=sweep(load_boom(corners=True, twice=True)))
+    pdf, _ = write_report(tmp_path / "one", unstable, {})
+    first = pypdf.PdfReader(pdf).pages[0].extract_text()
     assert "unstable with the measurement path" in " ".join(first.split())
 
 
