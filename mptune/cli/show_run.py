@@ -27,7 +27,10 @@ def summary(result: JobResult) -> None:
     judged = result.judgement  # the verdict's own line names the unstable plant
     said = judged.word is Headline.ON_PAPER and judged.witness is not None
     opening(texts, () if said else warnings(tuned.sweep), good=tuned.blocking is None)
-    show(*(block.brief() for block in page.blocks if isinstance(block, Tabular)))
+    tables = [block for block in page.blocks if isinstance(block, Tabular)]
+    if judged.met:  # the first line says that every requirement is
+        tables = [table for table in tables if table.title != "Requirements"]
+    show(*(table.brief() for table in tables))
     named = {".pdf": 0, ".html": 1, ".toml": 2}
     shown = [path for path in result.files if path.suffix in named]
     files(sorted(shown, key=lambda path: named[path.suffix]))
