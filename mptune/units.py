@@ -167,7 +167,7 @@ def number(value: float, digits: int = 4) -> str:
     if value == 0 or 1e-3 <= abs(value) < 1e6:
         whole = len(str(int(abs(value))))
         text = f"{value:.{max(digits, whole)}g}"
-        if "e" not in text:  # as a million has, to which a little less may be rounded
+        if abs(float(text)) < 1e6:  # to which a little less may be rounded
             return text
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     mantissa = mantissa.rstrip("0").rstrip(".")
