@@ -14,7 +14,7 @@ from typing import Any, Final
 _WORDS: Final = frozenset(" .,:;=+-_()[]<>%'\"!&@#|~^/") | frozenset("–—·…→←≤≥±×°∫√∞′″’‘“”ˆ̂")
 _COMMENT: Final = _WORDS - frozenset("|~#@&")
 _NAME: Final = frozenset(" .-_+,()")
-_ASCII_STRING: Final = frozenset(string.ascii_letters + string.digits + "._:+-")
+_ASCII_STRING: Final = frozenset(string.ascii_letters + string.digits + " ._:+-")
 _HTML: Final = frozenset(" \n.,:;=+-_()[]%!/|~^–—·…→≤≥±×°∫√∞′″’“”")
 _LINE_LENGTH: Final = 1000  # characters: compilers need not take lines above 4095 bytes
 _NAME_BYTES: Final = 80  # of a file's name: what is appended to it must fit into 255
@@ -55,7 +55,7 @@ def comment_text(text: str) -> str:
 
 
 def c_string(text: str) -> str:
-    """Return a text between the quotes of a string in C: letters and digits of ASCII, ``._:+-``."""
+    """Return a text for a string in C: letters, digits and ``._:+-`` of ASCII, and spaces."""
     return "".join(c if c in _ASCII_STRING else "_" for c in text[:_LINE_LENGTH])
 
 

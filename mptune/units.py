@@ -166,7 +166,9 @@ def number(value: float, digits: int = 4) -> str:
         return "∞"
     if value == 0 or 1e-3 <= abs(value) < 1e6:
         whole = len(str(int(abs(value))))
-        return f"{value:.{max(digits, whole)}g}"
+        text = f"{value:.{max(digits, whole)}g}"
+        if abs(float(text)) < 1e6:  # to which a little less may be rounded
+            return text
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     mantissa = mantissa.rstrip("0").rstrip(".")
     return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}"

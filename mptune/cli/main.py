@@ -162,6 +162,7 @@ def ledger() -> None:
 def main() -> None:
     """Run the command line and leave with its exit status."""
     out = take_streams()
+    sys.unraisablehook = _unraisable
     code = status(sys.argv[1:])
     sys.stdout.flush()
     if out.failure is not None:
@@ -170,6 +171,12 @@ def main() -> None:
         code = _say(f"{rule}; free some space or print elsewhere", UNFINISHED)
     sys.stderr.flush()
     sys.exit(code)
+
+
+def _unraisable(caught: sys.UnraisableHookArgs) -> None:
+    """Pass over what the destructors of half-made objects raise once a run was interrupted."""
+    if not isinstance(caught.exc_value, KeyboardInterrupt | AttributeError):
+        sys.__unraisablehook__(caught)
 
 
 def status(arguments: list[str]) -> int:

@@ -33,7 +33,10 @@ def summary(result: JobResult) -> None:
     for text in mind:
         say(verdict(text, good=False))
     say("")
-    show(*(block.brief() for block in page.blocks if isinstance(block, Tabular)))
+    tables = [block for block in page.blocks if isinstance(block, Tabular)]
+    if judged.met:  # the first line says that every requirement is
+        tables = [table for table in tables if table.title != "Requirements"]
+    show(*(table.brief() for table in tables))
     named = {".pdf": 0, ".html": 1, ".toml": 2}
     shown = [path for path in result.files if path.suffix in named]
     files(sorted(shown, key=lambda path: named[path.suffix]))

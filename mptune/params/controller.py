@@ -82,7 +82,12 @@ class Controller(Section):
         description="how Eq. 7 counts the force error: linearly, or squared where it is small",
     )
     error_width: float = quantity(
-        "N", "f_0", "force error from which Huber's count is linear", 2000.0, above=0
+        "N",
+        "f_0",
+        "force error from which Huber's count is linear",
+        2000.0,
+        at_least=1e-3,
+        at_most=1e9,
     )
     loss: Literal["ends", "path"] = Field(
         "ends", description="where Eq. 8 takes the losses: at both ends, or along Eq. 5's steps"
@@ -92,13 +97,23 @@ class Controller(Section):
         "1", "n", "combinations of which two periods are looked at", 6, at_least=1, at_most=784
     )
     weight_common_mode: float = quantity(
-        "N/Pa", "W_cm", "weight of the mean pressure's way from mid-supply", 0.0, at_least=0
+        "N/Pa",
+        "W_cm",
+        "weight of the mean pressure's way from mid-supply",
+        0.0,
+        at_least=0,
+        at_most=1e12,
     )
     force_model: Literal["dynamic", "steady-state"] = Field(
         "dynamic", description="pressures that a state is judged by: after T_S, or once settled"
     )
     weight_compression: float = quantity(
-        "N/J", "W_comp", "weight of compression energy, steady-state decision only", 0.0, at_least=0
+        "N/J",
+        "W_comp",
+        "weight of compression energy, steady-state decision only",
+        0.0,
+        at_least=0,
+        at_most=1e12,
     )
 
     @model_validator(mode="after")

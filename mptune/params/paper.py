@@ -107,7 +107,7 @@ LEDGER = (
         "System delay",
         "10–14 ms in §5.1, 11–21.5 ms in Fig. 5",
         "both, as two uncertainty sets; Fig. 5's is the default in Eq. 14 to 21, §5.1's wherever "
-        "filters and sampling stand explicitly (`uncertainty.delay_as_it_runs`)",
+        "filters and sampling stand explicitly: the delay as it runs",
         "T_S/2 + valve 5–8 ms + computation 0–1 ms is 10–14 ms; the further 7.5 ms have no unique "
         "origin. That they stand for the filters is a reading, not the paper's word: beside "
         "explicit filters they would then count twice. Counted there as well, the published gains "

@@ -107,7 +107,7 @@ def test_moves_of_no_distance_have_no_index(study_file):
     still = 'manoeuvre=[{distance="0 mm", duration="0.3 s", rest="0 s"}]'
     for move in linear_moves(load_study(study_file, (*BRIEF, still))):
         assert move.stable
-        assert move.json()["performance_index_ms"] is None
+        assert move.json()["linear_check_index_ms"] is None
 
 
 def test_an_index_without_motion_is_infinite_or_none():

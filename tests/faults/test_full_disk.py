@@ -52,6 +52,11 @@ def state(folder: Path) -> dict[str, str]:
     }
 
 
+def errors_in(said: str) -> int:
+    """Return how many messages say that a command could not be done; warnings are none."""
+    return said.count("mptune: ") - said.count("mptune: warning: ")
+
+
 @contextlib.contextmanager
 def largest_file(size: int) -> Iterator[None]:
     """Let the system refuse any file beyond a size [bytes], as a full disk does."""
@@ -82,8 +87,8 @@ def test_a_disk_that_takes_no_more_gives_status_3_and_one_message(
     assert set(left) <= {"sweep.nc", "panels.svg", "certificates.svg"}
     if code != 0:
         assert code == UNFINISHED
-        assert said.count("mptune:") == 1
-        assert "nothing was changed" in said
+        assert errors_in(said) == 1
+        assert "nothing was changed" in said or "nothing was left half-written" in said
         assert "earlier" in repr(left)
     for name, content in left.items():
         begins = {".nc": (b"\x89HDF",), ".svg": (b"<?xml",)}[f".{name.partition('.')[2]}"]
@@ -104,7 +109,7 @@ def test_each_file_s_moment(sweep_command, tmp_path, capsys, monkeypatch, moment
 
     monkeypatch.setattr(files.os, "fsync", full)
     assert status(sweep_command) == UNFINISHED
-    assert capsys.readouterr().err.count("mptune:") == 1
+    assert errors_in(capsys.readouterr().err) == 1
     names = ["sweep.nc", "panels.svg", "certificates.svg"][: moment - 1]
     assert sorted(state(tmp_path / "out/boom")) == sorted(names)
 
@@ -195,7 +200,7 @@ def test_every_command_on_a_small_disk(study_file, mounted, tmp_path, command):
                 assert "Traceback" not in done.stderr
                 assert "defect" not in done.stderr
                 if done.returncode == UNFINISHED:
-                    assert done.stderr.count("mptune:") == 1, done.stderr
+                    assert errors_in(done.stderr) == 1, done.stderr
                     assert before.keys() <= after.keys() | {f"boom/{command}.nc"}
                 assert not [name for name in after if ".part" in name]
                 for name in after:

@@ -16,7 +16,7 @@ STEPS = st.one_of(st.integers(1, 9), st.integers(1, 2**40))
 def test_what_differs_is_printed_differently(limit, steps, above):
     found = limit + (1 if above else -1) * steps * math.ulp(limit)
     text = number_beside(found, f"≤ {exact(limit)}")
-    assert text != number_beside(limit, f"≤ {exact(limit)}")
+    assert text != exact(limit)
     if "·" not in text:
         assert (float(text) > limit) == above
         assert float(text) != limit

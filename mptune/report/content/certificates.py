@@ -38,7 +38,7 @@ _FIGURES = {
     "disk_margin": "disk margin α",
     "peak_compliance": "peak compliance [mm/kN]",
 }
-_SCALES = {"peak_compliance": 1e6}  # of print over SI
+_SCALES = {"peak_compliance": 1e6}  # m/N in mm/kN
 _FAILS = {
     "equation_17": "Eq. 17 reaches 1",
     "equation_21": "Eq. 21 reaches 1",

@@ -68,7 +68,7 @@ def without_comments(text):
 
 def test_no_text_changes_the_code_of_any_c_file(controllers):
     plain = {name: without_comments(text) for name, text in c_sources(controllers[-1]).items()}
-    date = re.compile(r'(?<=#define MPTUNE_DATE ")[\w.:+-]*(?=")')
+    date = re.compile(r'(?<=#define MPTUNE_DATE ")[\w .:+-]*(?=")')
     for controller in controllers:
         for name, text in c_sources(controller).items():
             assert date.sub("", without_comments(text)) == date.sub("", plain[name])

@@ -28,8 +28,8 @@ CERTIFIED = (*AT_LEAST, "peak_compliance")
 
 def check_of(load_boom, name, limit, **options):
     value = f"{limit!r}" if not FOUND[name][1] else f'"{limit!r} {FOUND[name][1]}"'
-    continuous = "objective.tracking_loop=continuous"
-    result = sweep(load_boom(f"requirements.{name}={value}", continuous, **options))
+    asked = f"requirements.{name}={value}", "objective.tracking_loop=continuous"
+    result = sweep(load_boom(*asked, **options))
     (check,) = [check for check in result.checks if check.key == name]
     return check, result
 
@@ -57,7 +57,7 @@ def test_a_limit_between_attained_and_guaranteed_is_closed_in_upon(load_boom):
 
 @pytest.mark.parametrize("name", ["disk_margin", "delay_margin", "peak_compliance"])
 def test_an_unstable_family_has_none(load_boom, name):
-    limit = 'uncertainty.delay=["11 ms", "21.5 ms"]', 'gains.k_p_vel="1100 kN s/m"'
+    limit = 'uncertainty.delay_as_it_runs=["11 ms", "21.5 ms"]', 'gains.k_p_vel="1100 kN s/m"'
     value = 0.01 if name == "disk_margin" else f'"1 {FOUND[name][1]}"'
     result = sweep(load_boom(*limit, f"requirements.{name}={value}", corners=True))
     (check,) = [check for check in result.checks if check.key == name]
@@ -67,8 +67,11 @@ def test_an_unstable_family_has_none(load_boom, name):
 
 
 def test_without_room_for_the_hold_nothing_is_evaluated(load_boom):
-    short = 'uncertainty.delay_as_it_runs=["3 ms", "14 ms"]'
-    asked = short, "requirements.disk_margin=0.1", "objective.tracking_loop=continuous"
+    asked = (
+        'uncertainty.delay_as_it_runs=["3 ms", "14 ms"]',
+        "requirements.disk_margin=0.1",
+        "objective.tracking_loop=continuous",
+    )
     result = sweep(load_boom(*asked, corners=True))
     (check,) = [check for check in result.checks if check.key == "disk_margin"]
     assert check.status is Status.NOT_EVALUATED

@@ -119,7 +119,7 @@ def test_free_and_its_older_name_are_one():
 
 def test_no_hold_no_disk_margin(load_boom):
     with pytest.raises(InputError, match="hold"):
-        load_boom('objective.kind="robustness"', 'uncertainty.delay=["4 ms", "14 ms"]')
+        load_boom('objective.kind="robustness"', 'uncertainty.delay_as_it_runs=["4 ms", "14 ms"]')
 
 
 def test_a_weighted_objective_may_hold_robustness(load_boom):
