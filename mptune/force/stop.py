@@ -11,7 +11,7 @@ if TYPE_CHECKING:
 
 
 @kernel
-def stopped(was: bool, error: float, velocity_reference: float, settings: SignalSettings) -> bool:  # noqa: FBT001
+def stopped(was: bool, error: float, velocity_reference: float, settings: SignalSettings) -> bool:  # noqa: FBT001 - kernels know no keywords
     """Return whether the valves are to be shut.
 
     Parameters
