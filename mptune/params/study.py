@@ -15,10 +15,11 @@ from mptune.params.machine import Cylinder, Hose, Load, Oil, Supplies, Valves
 from mptune.params.manoeuvre import Manoeuvre, Verification
 from mptune.params.requirements import Objective, Requirements
 from mptune.params.section import Section, refuse
+from mptune.params.systems import Systems
 from mptune.params.uncertainty import Model, Uncertainty, UncertaintySet
 from mptune.summary import Summarised
 
-SOURCE_KINDS = ("published", "derived", "assumed", "measured")
+SOURCE_KINDS = ("published", "derived", "assumed", "calibrated", "measured")
 _LIKE_THIS = 'write sources like "cylinder.bore" = "derived: how"'
 
 
@@ -55,6 +56,7 @@ class Study(Summarised, Section):
     verification: Verification
     identification: Identification = Identification()
     campaign: Campaign = Campaign()
+    systems: Systems = Systems()
     sources: dict[
         Annotated[str, AfterValidator(_of_a_section)], Annotated[str, AfterValidator(_of_a_kind)]
     ] = Field(default_factory=dict)
@@ -112,7 +114,7 @@ class ResolvedStudy(Summarised, Section):
 
     def model_values(self) -> dict[str, Any]:
         """Return the SI model: all but gains, what they are tried on, title and sources."""
-        tried_on = {"verification", "identification", "campaign"}
+        tried_on = {"verification", "identification", "campaign", "systems"}
         left_out = {"gains", "title", "sources", "uncertainty", *tried_on}
         values = self.study.model_dump(exclude=left_out)
         unnamed = {"measured": {"__all__": {"name"}}}  # a file's content counts, not its name
