@@ -31,6 +31,7 @@ from mptune.cli.options import (
     finish,
 )
 from mptune.cli.run import run
+from mptune.cli.systems import systems
 from mptune.cli.tune import tune
 from mptune.cli.weights import weights
 
@@ -120,6 +121,7 @@ app.command()(weights)
 app.command()(campaign)
 app.command()(export)
 app.command()(compare)
+app.command()(systems)
 
 
 @app.command()

@@ -5,6 +5,7 @@
     <out>/<study>/comparison.json    the controllers of ``tune --compare``
     <out>/<study>/front.json         the points of ``tune --front``
     <out>/<study>/weights.json       the recommendation and the front of ``weights``
+    <out>/<study>/systems.json       the runs and calibrated values of ``systems``
     <out>/<study>/identification.nc  the panels of ``identify``
 
 Each says for which model it was made. What belongs to another one is not taken, and neither is
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
     from mptune.params.study import ResolvedStudy
 
-_FIGURES = {"comparison": "controllers", "front": "front", "weights": "weights"}
+_FIGURES = {"comparison": "controllers", "front": "front", "weights": "weights", "systems": "systems"}
 
 
 def keep(folder: Path, name: str, study: ResolvedStudy, rows: list[dict[str, Any]]) -> Path:
@@ -43,7 +44,7 @@ def leftovers(folder: Path, study: ResolvedStudy) -> Leftovers:
     names += dict.fromkeys(figure_name(panel.valve_delay_s) for panel in panels)
     paths = {name: folder / f"{name}.svg" for name in names}
     figures = {name: path.read_bytes() for name, path in paths.items() if path.is_file()}
-    return Leftovers(rows["comparison"], rows["front"], rows["weights"], panels, figures)
+    return Leftovers(rows["comparison"], rows["front"], rows["weights"], panels, figures, rows["systems"])
 
 
 def _rows(path: Path, study_hash: str) -> tuple[dict[str, Any], ...]:

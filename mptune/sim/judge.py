@@ -16,6 +16,7 @@ if TYPE_CHECKING:
 _DEVIATION = 0.2  # of the peak reference velocity: a larger one counts as a swing
 _PERIOD = 0.25  # s: swings further apart are no oscillation
 LIMIT_CYCLE_SWINGS = 8  # alternating swings in a row
+SATURATED = 0.05  # s in one set: a force reference that stands at its limit for as long
 
 
 class Judged(Protocol):

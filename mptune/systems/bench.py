@@ -8,6 +8,7 @@ import numpy as np
 
 from mptune.params.pack import pack_machine, pack_signals, pack_table
 from mptune.plant.piston import burden_at
+from mptune.signals.outer_loop import NO_LIMITS
 from mptune.sim.moves import moves_of
 from mptune.systems.cylinder import ENERGIES
 from mptune.systems.trace import new_trace, record_of
@@ -80,6 +81,7 @@ def movement_sets(
     pressures: int,
     run_set: Callable[[FloatArray, float], None],
     switches: Callable[[], int] = lambda: 0,
+    force_limits: tuple[float, float] = NO_LIMITS,
 ) -> tuple[RunRecord, ...]:
     """Run the moves over and over and return a record of each set.
 
@@ -95,6 +97,8 @@ def movement_sets(
         Fills the trace of one set that begins at a time [s].
     switches
         Tells how often a valve was switched so far.
+    force_limits
+        Least and largest force reference [N].
     """
     records, tick = [], bench.signals.sample_time
     for number in range(bench.repeats):
@@ -110,6 +114,7 @@ def movement_sets(
             bench.machine.stroke,
             tick,
             begin,
+            force_limits,
         )
         records.append(record)
         if not np.isfinite(trace[:, :6:5]).all():

@@ -105,8 +105,9 @@ def run_four_chamber(
             bench.moves.pieces, bench.start, begin, bench.substeps, bench.random, trace,
         )  # fmt: skip
 
+    limits = force_range(chambers, lines)
     return movement_sets(
-        bench, state, CHAMBERS, CHAMBERS, run_set, lambda: int(valves.counters[0])
+        bench, state, CHAMBERS, CHAMBERS, run_set, lambda: int(valves.counters[0]), limits
     )
 
 

@@ -50,6 +50,7 @@ def record_of(
     stroke: float,
     tick: float,
     begin: float,
+    force_limits: tuple[float, float],
 ) -> RunRecord:
     """Return the record of one movement set; it looks at the trace and does not copy it.
 
@@ -71,6 +72,8 @@ def record_of(
         Time between rows [s].
     begin
         When the set began [s].
+    force_limits
+        Least and largest force reference [N].
     """
     first = piston.DRAWN
     drawn, returned = float(energy[0]), float(energy[piston.RETURNED - first])
@@ -102,6 +105,7 @@ def record_of(
             },
         ),
         switches=switches,
+        force_limits=force_limits,
         broken=broken,
         pressures=trace[:, PRESSURES : PRESSURES + chambers],
     )
