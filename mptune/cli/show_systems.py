@@ -14,5 +14,5 @@ if TYPE_CHECKING:
 def systems(result: SystemsResult) -> None:
     """Print the comparison, and what was calibrated."""
     rows = result.rows()
-    show(compared(rows), boundaries(rows), calibrated(rows))
+    show(compared(rows).brief(), boundaries(rows), calibrated(rows))
     say(RULE)

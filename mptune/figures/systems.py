@@ -59,7 +59,10 @@ def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
 
 def _system(axes: Axes, runs: Sequence[dict[str, Any]], title: str, number: int) -> None:
     """Draw one system: from its literature's controller to its best one."""
-    look = {"color": _COLORS[number % len(_COLORS)], "marker": _MARKERS[number % len(_MARKERS)]}
+    look: dict[str, Any] = {
+        "color": _COLORS[number % len(_COLORS)],
+        "marker": _MARKERS[number % len(_MARKERS)],
+    }
     index = [one[_INDEX.key] for one in runs]
     loss = [one[_LOSS.key] for one in runs]
     axes.plot(index, loss, color=look["color"], linewidth=0.8)
@@ -67,6 +70,4 @@ def _system(axes: Axes, runs: Sequence[dict[str, Any]], title: str, number: int)
         first = one["controller"] == "literature"
         face = look["color"] if first else "white"
         label = title if first else None
-        axes.plot(
-            x, y, markerfacecolor=face, linestyle="none", markersize=6, label=label, **look
-        )
+        axes.plot(x, y, markerfacecolor=face, linestyle="none", markersize=6, label=label, **look)

@@ -27,7 +27,12 @@ if TYPE_CHECKING:
 
     from mptune.params.study import ResolvedStudy
 
-_FIGURES = {"comparison": "controllers", "front": "front", "weights": "weights", "systems": "systems"}
+_FIGURES = {
+    "comparison": "controllers",
+    "front": "front",
+    "weights": "weights",
+    "systems": "systems",
+}
 
 
 def keep(folder: Path, name: str, study: ResolvedStudy, rows: list[dict[str, Any]]) -> Path:
@@ -44,7 +49,9 @@ def leftovers(folder: Path, study: ResolvedStudy) -> Leftovers:
     names += dict.fromkeys(figure_name(panel.valve_delay_s) for panel in panels)
     paths = {name: folder / f"{name}.svg" for name in names}
     figures = {name: path.read_bytes() for name, path in paths.items() if path.is_file()}
-    return Leftovers(rows["comparison"], rows["front"], rows["weights"], panels, figures, rows["systems"])
+    return Leftovers(
+        rows["comparison"], rows["front"], rows["weights"], panels, figures, rows["systems"]
+    )
 
 
 def _rows(path: Path, study_hash: str) -> tuple[dict[str, Any], ...]:

@@ -9,7 +9,7 @@ from mptune.files import make_folder, write_whole
 from mptune.job.leftovers import keep
 from mptune.params.gains import read_gains
 from mptune.progress import silent
-from mptune.systems.compare import compare_systems
+from mptune.systems.compare import contest
 from mptune.systems.contender import LITERATURE, Contender, Tuned, contenders, gains_text
 from mptune.systems.eq22 import cascade_gains, pid_gains
 from mptune.systems.outcome import Outcome
@@ -21,10 +21,10 @@ if TYPE_CHECKING:
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
-    from mptune.systems.bench import Trial
+    from mptune.systems.bench import LoadCase
     from mptune.systems.result import SystemsResult
 
-THIS_MACHINE = "this machine, dynamic controller"
+THIS_MACHINE = "this machine"
 _BOUNDARY = "p_HP·Q_HP out of the accumulator; what flows into the tank line is lost (§7.1)"
 
 
@@ -34,7 +34,7 @@ def systems_study(
     progress: Progress = silent,
     gains: str | Path | None = None,
 ) -> tuple[SystemsResult, tuple[Path, ...]]:
-    """Compare the study's machine with the systems of its ``[systems]``.
+    """Compare the study's machine with other systems; draw it, and leave it for the report.
 
     Parameters
     ----------
@@ -43,7 +43,7 @@ def systems_study(
     out
         Folder for the results.
     progress
-        Told of the stages ``"tune"`` and those of ``compare_systems``.
+        See ``compare_systems``.
     gains
         A gains file; the tuner finds gains where there is none.
 
@@ -54,25 +54,54 @@ def systems_study(
     """
     from mptune.figures.style import to_svg
     from mptune.figures.systems import loss_over_index
-    from mptune.tune.tuner import tune
 
     folder = make_folder(Path(out) / study.name)
-    if gains is None:
-        found = tune(study, progress)
-        tuned, ahead = found.gains, found.feedforward
-    else:
-        file = read_gains(gains, study.hash())
-        tuned, ahead = file.gains, file.feedforward
-    result = compare_systems(
-        study,
-        lambda one: (*contenders(one, tuned, ahead), *this_machine(one, tuned, ahead)),
-        progress,
+    file = None if gains is None else read_gains(gains, study.hash())
+    result = (
+        compare_systems(study, progress=progress)
+        if file is None
+        else compare_systems(study, file.gains, file.feedforward, progress)
     )
     files = (
         write_whole(folder / "systems.svg", to_svg(loss_over_index(result.rows()))),
         keep(folder, "systems", study, result.rows()),
     )
     return result, files
+
+
+def compare_systems(
+    study: ResolvedStudy,
+    gains: Gains | None = None,
+    feedforward: Feedforward | None = None,
+    progress: Progress = silent,
+) -> SystemsResult:
+    """Compare the study's machine with the systems of its ``[systems]``.
+
+    Each is run with its literature's controller and with the best one by a common rule, on every
+    mass of ``[verification]``; what was calibrated is varied.
+
+    Parameters
+    ----------
+    study
+        The study.
+    gains, feedforward
+        What the rule may choose for whatever has this machine's outer loops; the tuner's where
+        None.
+    progress
+        Told of the stages ``"tune"``, ``"best controllers"``, ``"systems"`` and ``"calibrated
+        values"``.
+    """
+    from mptune.tune.tuner import tune
+
+    if gains is None:
+        tuned = tune(study, progress)
+        gains, feedforward = tuned.gains, tuned.feedforward
+    ahead = feedforward or study.study.feedforward
+    return contest(
+        study,
+        lambda one: (*contenders(one, gains, ahead), *this_machine(one, gains, ahead)),
+        progress,
+    )
 
 
 def this_machine(study: ResolvedStudy, tuned: Gains, ahead: Feedforward) -> Iterator[Contender]:
@@ -99,15 +128,15 @@ def this_machine(study: ResolvedStudy, tuned: Gains, ahead: Feedforward) -> Iter
 
 
 def _under(study: ResolvedStudy, name: str, gains: Gains, ahead: Feedforward) -> Tuned:
-    def run(trial: Trial, factor: float) -> Outcome:
-        asked = study.study.verification.model_copy(update={"repeats": trial.repeats})
+    def run(case: LoadCase, factor: float) -> Outcome:
+        asked = study.study.verification.model_copy(update={"repeats": case.repeats})
         short = study.model_copy(
             update={"study": study.study.model_copy(update={"verification": asked})}
         )
         delay = asked.delay_ranges()[0]
-        case = Case(trial.mass, delay, trial.oil_bulk_modulus, trial.load_force, trial.seed)
+        machine = Case(case.mass, delay, case.oil_bulk_modulus, case.load_force, case.seed)
         scaled = gains.model_copy(update={"k_p_vel": factor * gains.k_p_vel})
-        found = run_case(short, case, scaled, ahead)
+        found = run_case(short, machine, scaled, ahead)
         return Outcome(found.sets, found.record, found.broken)
 
     return Tuned(name, gains_text(gains), run)

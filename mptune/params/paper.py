@@ -42,7 +42,7 @@ class OtherSystem:
     """A system that §7 compares with; NaN where it does not tell.
 
     ``key`` is its section in ``[systems]``; loss [J/mm], squared force error [kN² s], performance
-    index [ms].
+    index [ms] in the paper's words.
     """
 
     key: str
@@ -50,13 +50,13 @@ class OtherSystem:
     loss: float
     force_error: float
     where: str
-    index: float = math.nan
+    index: str = "–"
 
 
 OTHER_SYSTEMS = (
     OtherSystem(
         "load_sensing", "electric load sensing, mobile proportional valve", 45.0, math.nan,
-        "§7.1", 100.0,
+        "§7.1", "> 100",
     ),
     OtherSystem(
         "digital_valves", "electric load sensing, digital hydraulic valves", 29.0, math.nan,
@@ -64,7 +64,7 @@ OTHER_SYSTEMS = (
     ),
     OtherSystem(
         "four_chamber", "secondary controlled multi-chamber cylinder", 19.0, math.nan,
-        "§7.1, [8]", 40.0,
+        "§7.1, [8]", "≈ 40",
     ),
     OtherSystem(
         "steady_state", "this machine, steady-state controller", 15.9, 31.0, "§7.3, [16]"

@@ -76,6 +76,7 @@ class DigitalValves(_Switched):
     weight_switching: float = quantity("m/s", "W_sw,e", "weight of one valve switch", at_least=0)
     k_x: float = quantity("1/s", "K_x", "position gain of its literature", above=0)
 
+
 class FourChamber(_Switched):
     """A cylinder of four chambers, areas 8:4:2:1, between two lines: secondary control."""
 
@@ -138,4 +139,3 @@ class Systems(Section):
     four_chamber: FourChamber | None = Field(None, description="a four-chamber cylinder")
     pid_loop: PidLoop | None = Field(None, description="this machine under PID")
     cascade_loop: CascadeLoop | None = Field(None, description="this machine under P and PI")
-

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 SUBSTEPS = 10  # of the integration in one tick of T_S,fast
 
 
-class Trial(NamedTuple):
+class LoadCase(NamedTuple):
     """One load, and how long it is moved."""
 
     mass: float  # kg
@@ -36,7 +36,7 @@ class Trial(NamedTuple):
     substeps: int = SUBSTEPS
 
 
-class Bench(NamedTuple):
+class LoadBench(NamedTuple):
     """A load with its moves, packed for the kernels."""
 
     machine: Machine
@@ -52,13 +52,13 @@ class Bench(NamedTuple):
     random: np.random.Generator
 
 
-def bench_of(study: ResolvedStudy, trial: Trial) -> Bench:
-    """Return the bench of one trial."""
-    machine = pack_machine(study, trial.mass, trial.oil_bulk_modulus, trial.load_force)
+def bench_of(study: ResolvedStudy, case: LoadCase) -> LoadBench:
+    """Return the bench of one case."""
+    machine = pack_machine(study, case.mass, case.oil_bulk_modulus, case.load_force)
     table, signals = pack_table(study), pack_signals(study.study.controller)
     moves, period = moves_of(study.study.manoeuvre), study.study.controller.sampling_period
     start = study.study.verification.start
-    return Bench(
+    return LoadBench(
         machine=machine,
         table=table,
         signals=signals,
@@ -68,14 +68,14 @@ def bench_of(study: ResolvedStudy, trial: Trial) -> Bench:
         # Whole sampling periods, so that every set begins with a decision.
         ticks=signals.ticks * int(np.ceil(moves.duration / period - 1e-9)),
         sampling_period=period,
-        repeats=trial.repeats,
-        substeps=trial.substeps,
-        random=np.random.default_rng(trial.seed),
+        repeats=case.repeats,
+        substeps=case.substeps,
+        random=np.random.default_rng(case.seed),
     )
 
 
 def movement_sets(
-    bench: Bench,
+    bench: LoadBench,
     state: FloatArray,
     chambers: int,
     pressures: int,

@@ -1,14 +1,15 @@
-"""The comparison: every system by its literature's controller and by the best one, on every mass."""
+"""The comparison: every system by its literature's controller and the best one, on every mass."""
 
 from __future__ import annotations
 
+from functools import partial
 from itertools import product
 from typing import TYPE_CHECKING, TypeVar
 
 import numpy as np
 
 from mptune.progress import silent
-from mptune.systems.bench import Trial
+from mptune.systems.bench import LoadCase
 from mptune.systems.outcome import INDEX, LOSS
 from mptune.systems.result import CalibratedValue, SystemRun, SystemsResult
 from mptune.systems.rule import best_of, candidates, judged
@@ -25,18 +26,18 @@ CHANGE = 0.2  # of a calibrated value, down and up
 _T = TypeVar("_T")
 
 
-def trials_of(study: ResolvedStudy) -> tuple[Trial, ...]:
-    """Return a trial per mass: the middle one of the oils, the first load force and seed."""
+def load_cases(study: ResolvedStudy) -> tuple[LoadCase, ...]:
+    """Return a case per mass: the middle one of the oils, the first load force and seed."""
     asked = study.study.verification
     oils = sorted(asked.oil_bulk_moduli)
     oil = oils[len(oils) // 2]
     repeats = study.study.systems.repeats
     return tuple(
-        Trial(mass, oil, asked.load_forces[0], asked.seeds[0], repeats) for mass in asked.masses
+        LoadCase(mass, oil, asked.load_forces[0], asked.seeds[0], repeats) for mass in asked.masses
     )
 
 
-def compare_systems(
+def contest(
     study: ResolvedStudy,
     build: Callable[[ResolvedStudy], Iterable[Contender]],
     progress: Progress = silent,
@@ -52,11 +53,11 @@ def compare_systems(
     progress
         Told of the stages ``"best controllers"``, ``"systems"`` and ``"calibrated values"``.
     """
-    trials, entrants = trials_of(study), tuple(build(study))
+    cases, entrants = load_cases(study), tuple(build(study))
     margin = study.study.systems.gain_margin
     tried = [one for contender in entrants for one in candidates(contender)]
     worsts = _all(
-        [lambda one=one: judged(one, trials, margin) for one in tried], progress, "best controllers"
+        [partial(judged, one, cases, margin) for one in tried], progress, "best controllers"
     )
     shown: list[tuple[Contender, Tuned, bool]] = []
     for contender in entrants:
@@ -66,38 +67,40 @@ def compare_systems(
         shown.append((contender, contender.literature, best is contender.literature))
         if best is not None and best is not contender.literature:
             shown.append((contender, best, True))
-    pairs = list(product(shown, trials))
+    pairs = list(product(shown, cases))
     outcomes = _all(
-        [lambda one=one, trial=trial: one[1].run(trial, 1.0) for one, trial in pairs],
+        [partial(tuned.run, case, 1.0) for (_, tuned, _), case in pairs],
         progress,
         "systems",
     )
     runs = tuple(
         SystemRun(
             contender.key, contender.title, contender.boundary, tuned.name, tuned.gains, best,
-            trial.mass, outcome,
+            case.mass, outcome,
         )
-        for ((contender, tuned, best), trial), outcome in zip(pairs, outcomes, strict=True)
+        for ((contender, tuned, best), case), outcome in zip(pairs, outcomes, strict=True)
     )  # fmt: skip
-    return SystemsResult(study, runs, _calibrated(study, build, runs, trials, progress))
+    return SystemsResult(study, runs, _calibrated(study, build, runs, cases, progress))
 
 
 def _calibrated(
     study: ResolvedStudy,
     build: Callable[[ResolvedStudy], Iterable[Contender]],
     runs: Sequence[SystemRun],
-    trials: Sequence[Trial],
+    cases: Sequence[LoadCase],
     progress: Progress,
 ) -> tuple[CalibratedValue, ...]:
     """Return every calibrated value with the figures about it: largest mass, literature's gains."""
-    heaviest = max(trials, key=lambda trial: trial.mass)
+    heaviest = max(cases, key=lambda case: case.mass)
     keys = calibrated_keys(study)
-    changed = [with_value(study, key, factor) for key in keys for factor in (1 - CHANGE, 1 + CHANGE)]
+    changed = [
+        with_value(study, key, factor) for key in keys for factor in (1 - CHANGE, 1 + CHANGE)
+    ]
     jobs = []
     for key, other in zip(np.repeat(keys, 2), changed, strict=True):
         name = str(key).split(".")[1]
         contender = next(one for one in build(other) if one.key == name)
-        jobs.append(lambda one=contender: one.literature.run(heaviest, 1.0))
+        jobs.append(partial(contender.literature.run, heaviest, 1.0))
     outcomes = _all(jobs, progress, "calibrated values")
     found = []
     for number, key in enumerate(keys):

@@ -7,7 +7,6 @@ from functools import partial
 from typing import TYPE_CHECKING
 
 from mptune.params.pack import pack_feedforward, pack_gains
-from mptune.params.paper import OTHER_SYSTEMS
 from mptune.sim.judge import set_figures
 from mptune.systems.bench import bench_of
 from mptune.systems.digital_valves import run_digital_valves
@@ -21,9 +20,9 @@ if TYPE_CHECKING:
 
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.study import ResolvedStudy
-    from mptune.params.systems import DigitalValves, FourChamber, LoadSensing, Systems
+    from mptune.params.systems import FourChamber, Systems
     from mptune.sim.record import RunRecord
-    from mptune.systems.bench import Bench, Trial
+    from mptune.systems.bench import LoadBench, LoadCase
 
 # Position gains [1/s] that are tried where a speed is controlled: steps of a third or less.
 POSITION_GAINS = (1.0, 1.3, 1.7, 2.2, 3.0, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 17.0)
@@ -41,12 +40,12 @@ class Tuned:
     gains
         The gains in words.
     run
-        Runs a trial with the loop's gain times a factor.
+        Runs a case with the loop's gain times a factor.
     """
 
     name: str
     gains: str
-    run: Callable[[Trial, float], Outcome]
+    run: Callable[[LoadCase, float], Outcome]
 
 
 @dataclass(frozen=True)
@@ -97,18 +96,17 @@ def contenders(
 def _named(
     study: ResolvedStudy, asked: Systems, tuned: Gains | None, feedforward: Feedforward
 ) -> Iterator[Contender]:
-    titles = {one.key: one.name for one in OTHER_SYSTEMS}
     valve, digital, chambers = asked.load_sensing, asked.digital_valves, asked.four_chamber
     if valve is not None:
-        run = partial(_speed_run, study, run_load_sensing, valve)
-        yield _by_speed("load_sensing", titles, valve.k_x, run)
+        run = partial(_speed_run, study, partial(run_load_sensing, system=valve))
+        yield _by_speed("load_sensing", "load sensing, proportional valve", valve.k_x, run)
     if digital is not None:
-        run = partial(_speed_run, study, run_digital_valves, digital)
-        yield _by_speed("digital_valves", titles, digital.k_x, run)
+        run = partial(_speed_run, study, partial(run_digital_valves, system=digital))
+        yield _by_speed("digital_valves", "load sensing, digital valves", digital.k_x, run)
     if chambers is not None:
         yield Contender(
             "four_chamber",
-            titles["four_chamber"],
+            "four-chamber cylinder",
             _IDEAL_LINES,
             _by_force(study, chambers, LITERATURE, _of_literature(chambers), feedforward),
             tuple(
@@ -121,26 +119,25 @@ def _named(
 
 def _by_speed(
     key: str,
-    titles: dict[str, str],
+    title: str,
     literature: float,
-    run: Callable[[float, Trial, float], Outcome],
+    run: Callable[[float, LoadCase, float], Outcome],
 ) -> Contender:
     def under(name: str, gain: float) -> Tuned:
         return Tuned(name, f"K_x {gain:g} 1/s", partial(run, gain))
 
     others = tuple(under("best", gain) for gain in POSITION_GAINS)
-    return Contender(key, titles[key], _IDEAL_PUMP, under(LITERATURE, literature), others)
+    return Contender(key, title, _IDEAL_PUMP, under(LITERATURE, literature), others)
 
 
 def _speed_run(
     study: ResolvedStudy,
-    simulate: Callable[[Bench, LoadSensing | DigitalValves, float], tuple[RunRecord, ...]],
-    system: LoadSensing | DigitalValves,
+    simulate: Callable[[LoadBench, float], tuple[RunRecord, ...]],
     gain: float,
-    trial: Trial,
+    case: LoadCase,
     factor: float,
 ) -> Outcome:
-    return outcome_of(simulate(bench_of(study, trial), system, factor * gain))
+    return outcome_of(simulate(bench_of(study, case), factor * gain))
 
 
 def _by_force(
@@ -148,10 +145,10 @@ def _by_force(
 ) -> Tuned:
     ahead = pack_feedforward(feedforward, study.study.controller.fast_sampling_period)
 
-    def run(trial: Trial, factor: float) -> Outcome:
+    def run(case: LoadCase, factor: float) -> Outcome:
         packed = pack_gains(gains)
         scaled = packed._replace(k_p_vel=factor * packed.k_p_vel)
-        return outcome_of(run_four_chamber(bench_of(study, trial), system, scaled, ahead))
+        return outcome_of(run_four_chamber(bench_of(study, case), system, scaled, ahead))
 
     return Tuned(name, gains_text(gains), run)
 

@@ -26,7 +26,7 @@ ENERGIES = slice(DRAWN, MOVED + 1)
 PRESSURE = 9  # of the first chamber; the others follow
 
 
-class Chambers(NamedTuple):
+class PistonChambers(NamedTuple):
     """The chambers of a cylinder, ``(C,)`` each."""
 
     area: FloatArray  # m², positive where pressure extends the piston
@@ -34,7 +34,7 @@ class Chambers(NamedTuple):
     hose: FloatArray  # m³, of it
 
 
-class Work(NamedTuple):
+class StepRoom(NamedTuple):
     """Room for one step: slopes and the state ahead, ``(S,)`` each."""
 
     k1: FloatArray
@@ -44,9 +44,9 @@ class Work(NamedTuple):
     ahead: FloatArray
 
 
-def two_chambers(machine: Machine) -> Chambers:
+def two_chambers(machine: Machine) -> PistonChambers:
     """Return the chambers of this study's own cylinder, A and B."""
-    return Chambers(
+    return PistonChambers(
         np.array([machine.area_a, -machine.area_b]),
         np.array([machine.dead_a, machine.dead_b]),
         np.array([machine.hose_a, machine.hose_b]),
@@ -54,24 +54,24 @@ def two_chambers(machine: Machine) -> Chambers:
 
 
 @kernel
-def new_work(states: int) -> Work:
+def step_room(states: int) -> StepRoom:
     """Return room for the steps of a system of ``states`` states."""
-    return Work(
+    return StepRoom(
         np.zeros(states), np.zeros(states), np.zeros(states), np.zeros(states), np.zeros(states)
     )
 
 
 @kernel
-def piston_force(state: FloatArray, chambers: Chambers) -> float:
+def piston_force(state: FloatArray, chambers: PistonChambers) -> float:
     """Return the force of all chambers on the piston [N]."""
-    force = 0.0
+    force: float = 0.0
     for i in range(len(chambers.area)):
-        force += chambers.area[i] * state[PRESSURE + i]
+        force += float(chambers.area[i] * state[PRESSURE + i])
     return force
 
 
 @kernel
-def volume_of(position: float, i: int, chambers: Chambers, stroke: float) -> float:
+def volume_of(position: float, i: int, chambers: PistonChambers, stroke: float) -> float:
     """Return the volume of chamber ``i`` with its hose [m³]."""
     area = chambers.area[i]
     return chambers.dead[i] + (area * position if area > 0 else -area * (stroke - position))
@@ -81,7 +81,7 @@ def volume_of(position: float, i: int, chambers: Chambers, stroke: float) -> flo
 def piston_rates(
     state: FloatArray,
     flow: FloatArray,
-    chambers: Chambers,
+    chambers: PistonChambers,
     machine: Machine,
     burden: Burden,
     slope: FloatArray,
@@ -129,7 +129,7 @@ def look_ahead(state: FloatArray, slope: FloatArray, step: float, ahead: FloatAr
 
 
 @kernel
-def settle(state: FloatArray, work: Work, step: float, chambers: int, stroke: float) -> None:
+def settle(state: FloatArray, work: StepRoom, step: float, chambers: int, stroke: float) -> None:
     """End a step of the classical Runge-Kutta method inside what is physically possible."""
     k1, k2, k3, k4 = work.k1, work.k2, work.k3, work.k4
     for i in range(len(state)):

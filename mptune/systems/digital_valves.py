@@ -18,18 +18,18 @@ from mptune.plant.flow import orifice
 from mptune.plant.piston import Burden, burden_at
 from mptune.plant.valve import ValveState, shut_valves
 from mptune.signals.trajectory import reference
-from mptune.systems.bench import Bench, movement_sets
+from mptune.systems.bench import LoadBench, movement_sets
 from mptune.systems.cylinder import (
     DRAWN,
     PRESSURE,
     THROTTLING,
-    Chambers,
-    Work,
+    PistonChambers,
+    StepRoom,
     X,
     look_ahead,
-    new_work,
     piston_rates,
     settle,
+    step_room,
     two_chambers,
 )
 from mptune.systems.load_sensing import Pump
@@ -51,7 +51,7 @@ _FORCE, _STOPPED = range(2)  # the controller's memory
 
 
 def run_digital_valves(
-    bench: Bench, system: DigitalValves, position_gain: float
+    bench: LoadBench, position_gain: float, system: DigitalValves
 ) -> tuple[RunRecord, ...]:
     """Run the moves and return one record per movement set.
 
@@ -59,10 +59,10 @@ def run_digital_valves(
     ----------
     bench
         Load, moves and sensors.
-    system
-        The valves and the pump.
     position_gain
         K_x [1/s].
+    system
+        The valves and the pump.
     """
     machine, chambers = bench.machine, two_chambers(bench.machine)
     pump = Pump(system.margin, system.standby_pressure, system.pump_lag)
@@ -85,9 +85,7 @@ def run_digital_valves(
             trace,
         )  # fmt: skip
 
-    return movement_sets(
-        bench, state, 2, _PRESSURES, run_set, lambda: int(valves.counters[0])
-    )
+    return movement_sets(bench, state, 2, _PRESSURES, run_set, lambda: int(valves.counters[0]))
 
 
 @kernel
@@ -100,7 +98,7 @@ def _run_ticks(
     opened: FloatArray,
     machine: Machine,
     table: FloatArray,
-    chambers: Chambers,
+    chambers: PistonChambers,
     pump: Pump,
     timing: Timing,
     sizes: FloatArray,
@@ -117,7 +115,7 @@ def _run_ticks(
     trace: FloatArray,
 ) -> None:
     """Run one movement set and fill its trace; a tick is T_S,fast."""
-    work, flow = new_work(len(state)), np.zeros(2)
+    work, flow = step_room(len(state)), np.zeros(2)
     span = signals.sample_time
     h = span / substeps
     for tick in range(len(trace)):
@@ -183,12 +181,12 @@ def _step(
     opened: FloatArray,
     edge: float,
     flow: FloatArray,
-    chambers: Chambers,
+    chambers: PistonChambers,
     machine: Machine,
     burden: Burden,
     pump: Pump,
     h: float,
-    work: Work,
+    work: StepRoom,
 ) -> None:
     """Advance the system by the classical Runge-Kutta method."""
     ahead = work.ahead
@@ -208,7 +206,7 @@ def _rates(
     opened: FloatArray,
     edge: float,
     flow: FloatArray,
-    chambers: Chambers,
+    chambers: PistonChambers,
     machine: Machine,
     burden: Burden,
     pump: Pump,

@@ -13,7 +13,6 @@ import numpy as np
 
 from mptune.arrays import FloatArray, IntArray, kernel
 from mptune.force.stop import stopped
-from mptune.params.packed import FeedforwardTuple, LoopGains
 from mptune.plant.flow import orifice
 from mptune.plant.piston import Burden, burden_at
 from mptune.plant.valve import ValveState, shut_valves
@@ -28,19 +27,19 @@ from mptune.signals.outer_loop import (
     outer_law,
 )
 from mptune.signals.trajectory import reference
-from mptune.systems.bench import Bench, movement_sets
+from mptune.systems.bench import LoadBench, movement_sets
 from mptune.systems.cylinder import (
     DRAWN,
     PRESSURE,
     RETURNED,
     THROTTLING,
-    Chambers,
-    Work,
+    PistonChambers,
+    StepRoom,
     X,
     look_ahead,
-    new_work,
     piston_rates,
     settle,
+    step_room,
 )
 from mptune.systems.secondary_force import (
     CHAMBERS,
@@ -55,7 +54,7 @@ from mptune.systems.switching import Timing, openings, switch, timing_of
 from mptune.systems.trace import note
 
 if TYPE_CHECKING:
-    from mptune.params.packed import Machine, SignalSettings
+    from mptune.params.packed import FeedforwardTuple, LoopGains, Machine, SignalSettings
     from mptune.params.systems import FourChamber
     from mptune.sim.record import RunRecord
 
@@ -65,7 +64,7 @@ _ALONE = np.ones((2 * CHAMBERS, 1))  # every valve is a group of its own
 
 
 def run_four_chamber(
-    bench: Bench, system: FourChamber, gains: LoopGains, ahead: FeedforwardTuple
+    bench: LoadBench, system: FourChamber, gains: LoopGains, ahead: FeedforwardTuple
 ) -> tuple[RunRecord, ...]:
     """Run the moves and return one record per movement set.
 
@@ -86,9 +85,7 @@ def run_four_chamber(
         system.high_pressure,
         np.maximum(coefficient, system.least_flow_coefficient),
     )
-    weights = ForceWeights(
-        system.weight_compression, system.weight_switching, bench.machine.oil
-    )
+    weights = ForceWeights(system.weight_compression, system.weight_switching, bench.machine.oil)
     state = np.zeros(_STATES)
     state[X] = bench.start
     state[PRESSURE:] = _start_pressures(bench.load, chambers, lines)
@@ -111,7 +108,7 @@ def run_four_chamber(
     )
 
 
-def _start_pressures(load: float, chambers: Chambers, lines: Lines) -> FloatArray:
+def _start_pressures(load: float, chambers: PistonChambers, lines: Lines) -> FloatArray:
     """Return pressures at which the load stands: all alike, but for the largest chamber's."""
     pressures = np.full(CHAMBERS, 0.5 * (lines.low + lines.high))
     pressures[0] += (load - float(chambers.area @ pressures)) / chambers.area[0]
@@ -128,7 +125,7 @@ def _run_ticks(
     opened: FloatArray,
     machine: Machine,
     table: FloatArray,
-    chambers: Chambers,
+    chambers: PistonChambers,
     lines: Lines,
     timing: Timing,
     sizes: FloatArray,
@@ -145,7 +142,7 @@ def _run_ticks(
     trace: FloatArray,
 ) -> None:
     """Run one movement set and fill its trace; a tick is T_S,fast."""
-    work, flow = new_work(len(state)), np.zeros(CHAMBERS)
+    work, flow = step_room(len(state)), np.zeros(CHAMBERS)
     span = signals.sample_time
     h, limits = span / substeps, force_range(chambers, lines)
     law = outer_law(gains, ahead, sampling_period, signals.dead_zone, limits)
@@ -182,12 +179,12 @@ def _step(
     state: FloatArray,
     opened: FloatArray,
     flow: FloatArray,
-    chambers: Chambers,
+    chambers: PistonChambers,
     machine: Machine,
     burden: Burden,
     lines: Lines,
     h: float,
-    work: Work,
+    work: StepRoom,
 ) -> None:
     """Advance the system by the classical Runge-Kutta method."""
     ahead = work.ahead
@@ -206,7 +203,7 @@ def _rates(
     state: FloatArray,
     opened: FloatArray,
     flow: FloatArray,
-    chambers: Chambers,
+    chambers: PistonChambers,
     machine: Machine,
     burden: Burden,
     lines: Lines,

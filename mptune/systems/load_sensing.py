@@ -23,18 +23,18 @@ from mptune.plant.flow import orifice
 from mptune.plant.piston import Burden, burden_at
 from mptune.signals.conditioning import backlash
 from mptune.signals.trajectory import reference
-from mptune.systems.bench import Bench, movement_sets
+from mptune.systems.bench import LoadBench, movement_sets
 from mptune.systems.cylinder import (
     DRAWN,
     PRESSURE,
     THROTTLING,
-    Chambers,
-    Work,
+    PistonChambers,
+    StepRoom,
     X,
     look_ahead,
-    new_work,
     piston_rates,
     settle,
+    step_room,
     two_chambers,
 )
 from mptune.systems.sensing import Sensors, sense, settled_sensors
@@ -69,7 +69,7 @@ class Pump(NamedTuple):
 
 
 def run_load_sensing(
-    bench: Bench, system: LoadSensing, position_gain: float
+    bench: LoadBench, position_gain: float, system: LoadSensing
 ) -> tuple[RunRecord, ...]:
     """Run the moves and return one record per movement set.
 
@@ -77,10 +77,10 @@ def run_load_sensing(
     ----------
     bench
         Load, moves and sensors.
-    system
-        The valve and the pump.
     position_gain
         K_x [1/s].
+    system
+        The valve and the pump.
     """
     machine, chambers = bench.machine, two_chambers(bench.machine)
     inlet = system.rated_flow / np.sqrt(system.compensated_pressure)
@@ -124,7 +124,7 @@ def _run_ticks(
     late: FloatArray,
     machine: Machine,
     table: FloatArray,
-    chambers: Chambers,
+    chambers: PistonChambers,
     valve: Spool,
     pump: Pump,
     gain: float,
@@ -137,7 +137,7 @@ def _run_ticks(
     trace: FloatArray,
 ) -> None:
     """Run one movement set and fill its trace; a tick is T_S,fast."""
-    work, flow = new_work(len(state)), np.zeros(2)
+    work, flow = step_room(len(state)), np.zeros(2)
     span = signals.sample_time
     offset = int(np.rint(begin / span))
     for tick in range(len(trace)):
@@ -167,13 +167,13 @@ def _step(
     state: FloatArray,
     command: float,
     flow: FloatArray,
-    chambers: Chambers,
+    chambers: PistonChambers,
     machine: Machine,
     burden: Burden,
     valve: Spool,
     pump: Pump,
     h: float,
-    work: Work,
+    work: StepRoom,
 ) -> None:
     """Advance the system by the classical Runge-Kutta method."""
     ahead = work.ahead
@@ -192,7 +192,7 @@ def _rates(
     state: FloatArray,
     command: float,
     flow: FloatArray,
-    chambers: Chambers,
+    chambers: PistonChambers,
     machine: Machine,
     burden: Burden,
     valve: Spool,

@@ -16,27 +16,27 @@ import numpy as np
 if TYPE_CHECKING:
     from collections.abc import Iterable, Sequence
 
-    from mptune.systems.bench import Trial
+    from mptune.systems.bench import LoadCase
     from mptune.systems.contender import Contender, Tuned
 
 _SETS = 2  # per run; the first is not judged
 
 
-def judged(tuned: Tuned, trials: Iterable[Trial], margin: float) -> float:
-    """Return the worst index over trials [ms]; infinite where some trial is not stable.
+def judged(tuned: Tuned, cases: Iterable[LoadCase], margin: float) -> float:
+    """Return the worst index over cases [ms]; infinite where some case is not stable.
 
     Parameters
     ----------
     tuned
         A system under one controller.
-    trials
+    cases
         One per mass.
     margin
         Factor on the loop's gain at which it must be stable as well.
     """
     worst = 0.0
-    for trial in trials:
-        few = trial._replace(repeats=_SETS)
+    for case in cases:
+        few = case._replace(repeats=_SETS)
         if not tuned.run(few, margin).stable:
             return np.inf
         worst = max(worst, tuned.run(few, 1.0).worth)

@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import kernel
-from mptune.systems.cylinder import Chambers, volume_of
+from mptune.systems.cylinder import PistonChambers, volume_of
 from mptune.systems.steady_speed import ones
 
 if TYPE_CHECKING:
@@ -43,9 +43,9 @@ class ForceWeights(NamedTuple):
     bulk: float  # Pa, of the oil as believed
 
 
-def four_chambers(smallest: float, dead: float) -> Chambers:
+def four_chambers(smallest: float, dead: float) -> PistonChambers:
     """Return four chambers of areas 8:4:2:1 [m²], each with a dead volume [m³] and no hose."""
-    return Chambers(smallest * np.array(AREAS), np.full(CHAMBERS, dead), np.zeros(CHAMBERS))
+    return PistonChambers(smallest * np.array(AREAS), np.full(CHAMBERS, dead), np.zeros(CHAMBERS))
 
 
 @kernel
@@ -62,7 +62,7 @@ def cheapest_state(
     velocity: float,
     pressures: FloatArray,
     present: int,
-    chambers: Chambers,
+    chambers: PistonChambers,
     stroke: float,
     lines: Lines,
     weights: ForceWeights,
@@ -104,7 +104,7 @@ def cheapest_state(
 
 
 @kernel
-def force_range(chambers: Chambers, lines: Lines) -> tuple[float, float]:
+def force_range(chambers: PistonChambers, lines: Lines) -> tuple[float, float]:
     """Return the least and the largest force of all states at rest [N]."""
     least, largest = 0.0, 0.0
     for area in chambers.area:

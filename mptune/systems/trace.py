@@ -9,7 +9,7 @@ import numpy as np
 from mptune.arrays import FloatArray, kernel
 from mptune.sim.record import BrokenLimit, Energies, RunRecord
 from mptune.systems import cylinder as piston
-from mptune.systems.cylinder import PRESSURE, Chambers, V, X, piston_force
+from mptune.systems.cylinder import PRESSURE, PistonChambers, V, X, piston_force
 
 if TYPE_CHECKING:
     from mptune.sim.moves import Moves
@@ -27,7 +27,7 @@ def new_trace(ticks: int, pressures: int) -> FloatArray:
 def note(
     row: FloatArray,
     state: FloatArray,
-    chambers: Chambers,
+    chambers: PistonChambers,
     position_reference: float,
     velocity_reference: float,
     force_reference: float,
@@ -79,7 +79,7 @@ def record_of(
     drawn, returned = float(energy[0]), float(energy[piston.RETURNED - first])
     position, slack = trace[:, POSITION], 1e-6
     at_end = (position <= slack) | (position >= stroke - slack)
-    broken = ()
+    broken: tuple[BrokenLimit, ...] = ()
     if at_end.any():
         when = float(np.argmax(at_end)) * tick + begin
         broken = (BrokenLimit("the piston stands at its end", when),)

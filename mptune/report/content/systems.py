@@ -42,7 +42,6 @@ def systems(results: Results) -> Chapter | None:
     rows = results.leftovers.systems
     if not rows:
         return None
-    table = compared(rows)
     return Chapter.of(
         "Other systems under the same load",
         Figure(
@@ -51,7 +50,7 @@ def systems(results: Results) -> Chapter | None:
             "systems",
         ),
         Prose(RULE),
-        table,
+        compared(rows),
         *boundaries(rows).titled(),
         *calibrated(rows).titled(
             Note(
@@ -76,7 +75,7 @@ def compared(rows: Sequence[dict[str, Any]]) -> Tabular:
                 f"{run['mass_kg'] / 1e3:g}",
                 _text(run[_INDEX.key]) if run["stable"] else Cell("not stable", "bad"),
                 _text(run["reference_index_ms"]),
-                number(paper.index, 3) if paper else "–",
+                paper.index if paper else "–",
                 _text(run[_LOSS.key]),
                 number(paper.loss, 3) if paper else "–",
                 _text(run["returned_j_per_mm"]),
@@ -88,11 +87,12 @@ def compared(rows: Sequence[dict[str, Any]]) -> Tabular:
     columns = [
         wide("System", 3),
         *left("Controller"),
-        *right(
-            "Mass\n[t]", "Index\n[ms]", "over v_ref\n[ms]", "paper\n[ms]", "Loss\n[J/mm]",
-            "paper\n[J/mm]", "returned\n[J/mm]", "∫ΔF²\n[kN² s]", "Switches", "Residual",
-        ),
-    ]  # fmt: skip
+        *right("Mass\n[t]", "Index\n[ms]", "over v_ref\n[ms]", "paper\n[ms]"),
+        *right("Loss\n[J/mm]", "paper\n[J/mm]"),
+        *right("returned\n[J/mm]", detail=True),
+        *right("∫ΔF²\n[kN² s]", "Switches"),
+        *right("Residual", detail=True),
+    ]
     return Tabular("Systems under the same load and moves", columns, body, keep=False)
 
 
