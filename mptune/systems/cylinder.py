@@ -66,15 +66,16 @@ def piston_force(state: FloatArray, chambers: PistonChambers) -> float:
     """Return the force of all chambers on the piston [N]."""
     force: float = 0.0
     for i in range(len(chambers.area)):
-        force += float(chambers.area[i] * state[PRESSURE + i])
-    return force
+        force += chambers.area[i] * state[PRESSURE + i]
+    return float(force)
 
 
 @kernel
 def volume_of(position: float, i: int, chambers: PistonChambers, stroke: float) -> float:
     """Return the volume of chamber ``i`` with its hose [m³]."""
     area = chambers.area[i]
-    return chambers.dead[i] + (area * position if area > 0 else -area * (stroke - position))
+    swept = area * position if area > 0 else -area * (stroke - position)
+    return float(chambers.dead[i] + swept)
 
 
 @inlined_kernel
