@@ -126,7 +126,7 @@ def _by_speed(
     def under(name: str, gain: float) -> Tuned:
         return Tuned(name, f"K_x {gain:g} 1/s", partial(run, gain))
 
-    others = tuple(under("best", gain) for gain in POSITION_GAINS)
+    others = tuple(under("scanned", gain) for gain in POSITION_GAINS)
     return Contender(key, title, _IDEAL_PUMP, under(LITERATURE, literature), others)
 
 

@@ -34,14 +34,18 @@ def test_a_load_beyond_the_supply_is_not_moved():
 
 
 def plainly(speed, supply, force, present_in, present_out, others):
-    best = speed + WEIGHTS.switching * (
-        present_in.bit_count() + present_out.bit_count() + others
-    ), (0, 0)
+    best = (
+        speed + WEIGHTS.switching * (present_in.bit_count() + present_out.bit_count() + others),
+        (0, 0),
+    )
     for pair in itertools.product(range(1, 32), repeat=2):
         inlet, outlet = (EDGE * level / 31 for level in pair)
         force_free = AREAS[0] ** 3 / inlet**2 + AREAS[1] ** 3 / outlet**2
         square = max(AREAS[0] * supply - force, 0) / force_free
-        fed, drained = supply - AREAS[0] ** 2 * square / inlet**2, AREAS[1] ** 2 * square / outlet**2
+        fed, drained = (
+            supply - AREAS[0] ** 2 * square / inlet**2,
+            AREAS[1] ** 2 * square / outlet**2,
+        )
         if square == 0:
             fed, drained = supply, 0.0
         changed = (pair[0] ^ present_in).bit_count() + (pair[1] ^ present_out).bit_count() + others
