@@ -12,8 +12,10 @@ from mptune.report.content.systems import systems
 from mptune.report.results import Results
 
 SHORT = (
-    'manoeuvre=[{distance="10 mm", duration="0.4 s", rest="0.2 s"}, '
-    '{distance="-10 mm", duration="0.4 s", rest="0.2 s"}]',
+    (
+        'manoeuvre=[{distance="10 mm", duration="0.4 s", rest="0.2 s"}, '
+        '{distance="-10 mm", duration="0.4 s", rest="0.2 s"}]'
+    ),
     "verification.repeats=2",
     "systems.repeats=2",
     'verification.masses=["49 t"]',

@@ -1,4 +1,4 @@
-"""The steady-state decision on speed: physics of the steady state, and every pair by plain Python."""
+"""The steady-state decision on speed: physics of the steady state, all pairs in plain Python."""
 
 from __future__ import annotations
 

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import pytest
 from loads import CASE, KEYS, records_of
@@ -12,7 +14,6 @@ from mptune.systems.cylinder import two_chambers, volume_of
 from mptune.systems.secondary_force import four_chambers
 
 pytestmark = pytest.mark.compiled
-SETS = 2
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +44,7 @@ def test_energies_close_by_the_states_alone(key, study_file, boom, machine):
     """Neither what the piston was given nor what compression took is asked of the integration."""
     records = records_of(study_file, key)
     chambers = chambers_of(key, boom, machine)
-    for now, later in zip(records[:SETS], records[1:], strict=True):
+    for now, later in itertools.pairwise(records):
         given = now.energies.drawn + now.energies.returned
         rubbed = [friction(v, machine) * v for v in np.append(now.velocity, later.velocity[0])]
         gained = held(later, 0, machine, chambers) - held(now, 0, machine, chambers)
