@@ -84,4 +84,4 @@ class Outcome:
 
         It counts as lost (§7.1); a recovery could at best take it off the loss.
         """
-        return -self.record.energies.returned / (1e3 * self.record.travel)
+        return (0.0 - self.record.energies.returned) / (1e3 * self.record.travel)

@@ -50,7 +50,7 @@ def systems(results: Results) -> Chapter | None:
             "systems",
         ),
         Prose(RULE),
-        compared(rows),
+        compared(rows).brief(),
         *boundaries(rows).titled(),
         *calibrated(rows).titled(
             Note(
@@ -86,7 +86,7 @@ def compared(rows: Sequence[dict[str, Any]]) -> Tabular:
         )
     columns = [
         wide("System", 3),
-        *left("Controller"),
+        wide("Controller", 2),
         *right("Mass\n[t]", "Index\n[ms]", "over v_ref\n[ms]", "paper\n[ms]"),
         *right("Loss\n[J/mm]", "paper\n[J/mm]"),
         *right("returned\n[J/mm]", detail=True),
