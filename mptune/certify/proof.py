@@ -37,8 +37,8 @@ def cover(edges: FloatArray, curve: FloatArray) -> FloatArray:
 class _Part:
     """A list of boxes that ends at one frequency, and what a truncated loop leaves out up to it."""
 
-    def __init__(self, boxes: FloatArray, left_out: float) -> None:
-        self.left, self.left_out = len(boxes), left_out
+    def __init__(self, boxes: FloatArray, left_out: float, weight: float = 1.0) -> None:
+        self.left, self.left_out, self.weight = len(boxes), left_out, weight
         self.lows, self.highs = np.empty((2, self.left + _ROOM, SIDES))
         self.lows[: self.left], self.highs[: self.left] = boxes[:, 0], boxes[:, 1]
 
@@ -76,8 +76,13 @@ class Proof:
             self._shifts = shifts_up_to(terms, form.period)
             ratio = float(edges[1, RATIO])
             ends = [float(box[1, OMEGA]) for box in boxes]
+            time = form.nominal.mass / form.gains.k_p_vel
             self._parts = [
-                _Part(boxes[i : i + 1], remainder(form, ratio, terms, ends[i]))
+                _Part(
+                    boxes[i : i + 1],
+                    remainder(form, ratio, terms, ends[i]),
+                    float(edges[0, RATIO]) / (ends[i] * time) ** 2,  # the least μ/|P|²
+                )
                 for i in range(len(ends))
             ]
 
@@ -87,7 +92,7 @@ class Proof:
         for part in self._parts:
             sought = bound
             if part.left_out > 0:
-                sought = truncated_bound(self.form, bound, part.left_out)
+                sought = truncated_bound(self.form, bound, part.left_out, part.weight)
                 if sought <= 0:
                     return OPEN
             status = self._search(part, 1.0, sought * sought, budget)

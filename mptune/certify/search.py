@@ -19,6 +19,7 @@ from mptune.arrays import FloatArray, kernel
 from mptune.certify.balls import ROUND
 from mptune.certify.enclosure import (
     OMEGA,
+    RATIO,
     SIDES,
     Enclosed,
     PlantDiscs,
@@ -27,6 +28,7 @@ from mptune.certify.enclosure import (
     plant_over,
 )
 from mptune.certify.figures import coefficients
+from mptune.certify.form import COMPLIANCE
 from mptune.certify.rows import DELTA_N, FIXED, PER_DUAL, stored
 
 if TYPE_CHECKING:
@@ -79,7 +81,7 @@ def search(
     point
         ``(SIDES,)``, filled: where the figure is ABOVE, or where the search ended.
     """
-    terms = len(shifts)
+    terms, power = len(shifts), 2 if form.figure == COMPLIANCE else 0
     # A box at place p uses the coefficients in a slot ≤ p, so that the last one may fill its own.
     slots = np.empty(len(lows), np.int64)
     for i in range(count):
@@ -100,9 +102,10 @@ def search(
             coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], rows[last])
         row = rows[slots[last]]
         plant = plant_over(row, shifts, form.share_a, centre, half)
-        f = enclose(plant, row, terms, num, den, centre, half, slopes, spreads)
+        f = enclose(plant, row, terms, num, den, centre, half, slopes, spreads, power)
+        weight = (centre[RATIO] + half[RATIO]) ** power
         if _highest(f, slopes, spreads, half) < 0 or _clear(
-            plant, row, terms, num, den, centre, half
+            plant, row, terms, weight * num, den, centre, half
         ):
             slots[last] = -1
             count -= 1

@@ -7,6 +7,7 @@ l_F = l(1 + C/ω) and q = C/(ω(p − 1)), all falling with ω wherever p > 1::
     velocity loop   S ≤ 1/(1 − l)           T ≤ l/(1 − l)
     F_ref           S ≤ 1/(1 − l_F)         T ≤ l_F/(1 − l_F)
     position loop   S ≤ (1 + l)/(1 − l_F)   T ≤ (l C/ω)/(1 − l_F)
+    compliance      ≤ μ_max/p² · 1/(1 − l_F)
 
 and |S − T|/2 ≤ (S + T)/2. They hold with and without a measurement path, whose responses are at
 most 1 in modulus, as |G_F| is. The loop as it runs has no tail: it repeats itself.
@@ -16,7 +17,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.certify.form import EQUATION_17, EQUATION_21
+from mptune.certify.form import COMPLIANCE, EQUATION_17, EQUATION_21
 from mptune.loops.broken import POSITION, VELOCITY
 
 if TYPE_CHECKING:
@@ -67,6 +68,8 @@ def tail_bound(form: Form, ratio: float, omega: float) -> float:
         if nominal >= 1:
             return float("inf")
         return _CARE * (1 + ratio) / (1 - loop) * nominal / (1 - nominal)
+    if form.figure == COMPLIANCE:
+        return _CARE * ratio / turn**2 / (1 - whole) if whole < 1 else float("inf")
     return _mixture_bound(form, loop, law, whole)
 
 

@@ -8,6 +8,7 @@ passes less where τ is short; the median, taken as one sample, changes nothing.
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,7 +17,7 @@ from mptune.signals.conditioning import filter_response
 from mptune.signals.differentiator import differentiator_over_s
 
 if TYPE_CHECKING:
-    from mptune.arrays import FloatArray
+    from mptune.arrays import ComplexArray, FloatArray
     from mptune.params.packed import LoopGains, MeasurementPath
 
 _POINTS = 2000  # of the integral over frequency; its relative error is below 1e-5
@@ -29,15 +30,25 @@ def noise_gram(tau: float, path: MeasurementPath) -> FloatArray:
     c = (1, K_P, 2ξK_P/ω, K_P/ω²) are the factors of Eq. 23 and of the three terms of Eq. 22's
     first numerator, all over (τs + 1)².
     """
+    s, through, velocity, weight = _fixed_parts(path)
+    shape = through / (tau * s + 1) ** 2  # Eq. 22, first denominator
+    parts = np.stack([velocity, shape, s * shape, s * s * shape])
+    return np.asarray(((parts * weight) @ parts.conj().T).real)
+
+
+@lru_cache(maxsize=16)
+def _fixed_parts(
+    path: MeasurementPath,
+) -> tuple[ComplexArray, ComplexArray, ComplexArray, FloatArray]:
+    """Return s, the filter, Eq. 23 through it, and the weights of the integral, ``(F,)`` each."""
     half_rate = np.pi / path.sample_time
     omega = np.geomspace(_LOWEST * half_rate, half_rate, _POINTS)
-    s = 1j * omega
-    shape = 1 / (tau * s + 1) ** 2  # Eq. 22, first denominator
-    velocity = s * differentiator_over_s(s, path.sample_time)  # Eq. 23
-    parts = np.stack([velocity, shape, s * shape, s * s * shape])
-    parts *= filter_response(s, path.sample_time, path.filter_pole)
-    products = (parts[:, None, :] * parts[None, :, :].conj()).real
-    return np.asarray(np.trapezoid(products, omega, axis=-1) / half_rate)
+    s = np.asarray(1j * omega, np.complex128)
+    through = filter_response(s, path.sample_time, path.filter_pole)
+    velocity = through * s * differentiator_over_s(s, path.sample_time)  # Eq. 23
+    steps = np.diff(omega, prepend=omega[0], append=omega[-1])
+    weight = 0.5 * (steps[1:] + steps[:-1]) / half_rate  # the trapezoidal rule's
+    return s, through, velocity, weight
 
 
 def noise_gain(gains: LoopGains, path: MeasurementPath) -> float:
