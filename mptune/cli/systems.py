@@ -26,14 +26,14 @@ def systems(
 ) -> None:
     """Compare the machine with other actuators under the same load and moves."""
     from mptune.cli import show, show_systems
+    from mptune.cli.study import load_study, with_warnings
     from mptune.job.systems import systems_study
-    from mptune.params.load import load_study
 
     loaded = load_study(study, override or (), uncertainty)
     with show.progress(quiet=quiet) as report:
         result, files = systems_study(loaded, out, report, gains)
     if json:
-        show.as_json(result.json())
+        show.as_json(with_warnings(result.json(), loaded))
     else:
         show_systems.systems(result)
         show.files(files)

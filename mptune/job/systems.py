@@ -20,6 +20,7 @@ if TYPE_CHECKING:
 
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.study import ResolvedStudy
+    from mptune.params.systems import SteadyState
     from mptune.progress import Progress
     from mptune.systems.bench import LoadCase
     from mptune.systems.result import SystemsResult
@@ -105,7 +106,7 @@ def compare_systems(
 
 
 def this_machine(study: ResolvedStudy, tuned: Gains, ahead: Feedforward) -> Iterator[Contender]:
-    """Yield this machine: under the study's own gains, and under its literature's outer loops.
+    """Yield this machine: as the study has it, under other outer loops, and by another decision.
 
     Parameters
     ----------
@@ -125,6 +126,21 @@ def this_machine(study: ResolvedStudy, tuned: Gains, ahead: Feedforward) -> Iter
     if asked.cascade_loop is not None:
         under = _under(study, LITERATURE, cascade_gains(asked.cascade_loop), none)
         yield Contender("cascade_loop", "this machine, P + PI outer loops", _BOUNDARY, under)
+    if asked.steady_state is not None:
+        settled = _on_settled_pressures(study, asked.steady_state)
+        under = _under(settled, LITERATURE, own, none)
+        other = _under(settled, "tuned", tuned, ahead)
+        yield Contender("steady_state", "this machine, steady state", _BOUNDARY, under, (other,))
+
+
+def _on_settled_pressures(study: ResolvedStudy, weights: SteadyState) -> ResolvedStudy:
+    """Return the study with ref. 16's decision; what its weights do not name stays."""
+    controller = study.study.controller.model_copy(
+        update={"force_model": "steady-state", **weights.model_dump()}
+    )
+    return study.model_copy(
+        update={"study": study.study.model_copy(update={"controller": controller})}
+    )
 
 
 def _under(study: ResolvedStudy, name: str, gains: Gains, ahead: Feedforward) -> Tuned:

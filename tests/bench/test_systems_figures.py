@@ -34,7 +34,7 @@ def test_the_systems_have_the_figures_that_the_paper_tells(boom):
         for run in result.runs
         if run.controller == "literature" and run.mass_kg == 49e3
     }
-    for key in ("load_sensing", "digital_valves", "four_chamber"):
+    for key in ("load_sensing", "digital_valves", "four_chamber", "steady_state"):
         assert mine[key].mean("energy_loss_j_per_mm") == pytest.approx(told[key], rel=0.1)
     assert mine["load_sensing"].mean("performance_index_ms") > 100
     assert mine["four_chamber"].mean("performance_index_ms") == pytest.approx(40, rel=0.15)

@@ -81,7 +81,7 @@ def compared(rows: Sequence[dict[str, Any]]) -> Tabular:
                 _text(run["returned_j_per_mm"]),
                 _text(run[_FORCE.key]),
                 _text(run["valve_switches"]),
-                f"{run['energy_residual']:.0e}",
+                _residual(run["energy_residual"]),
             ]
         )
     columns = [
@@ -142,6 +142,10 @@ def _parameters(results: Results) -> Iterator[Block]:
             for key, unit, mark, meaning in part.quantities()
         ]
         yield from Tabular(f"systems.{name}", columns, body).titled()
+
+
+def _residual(value: float | None) -> str:
+    return "–" if value is None else f"{value:.0e}"
 
 
 def _text(value: float | None) -> str:

@@ -41,7 +41,7 @@ def test_the_comparison_is_printed_and_left_for_the_report(study_file, tmp_path,
     values = json.loads(captured.out)
     assert code == (0 if values["satisfied"] else 1), captured.err
     found = {run["system"] for run in values["runs"]}
-    machines = {"this_machine", "pid_loop", "cascade_loop"}
+    machines = {"this_machine", "pid_loop", "cascade_loop", "steady_state"}
     assert found >= {"load_sensing", "digital_valves", "four_chamber", *machines}
     assert all(run["energy_residual"] < 5e-3 for run in values["runs"])
     assert {path.name for path in (tmp_path / "boom").iterdir()} == {"systems.json", "systems.svg"}

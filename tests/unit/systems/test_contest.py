@@ -48,6 +48,7 @@ def result(boom):
         yield Contender("digital_valves", "one", "here", one, (made_up("better", 2e-3),))
         yield Contender("load_sensing", "two", "there", made_up("literature", 1e-3))
         yield Contender("four_chamber", "three", "there", made_up("literature", 1e-3))
+        yield Contender("steady_state", "four", "there", made_up("literature", 1e-3))
 
     stages = []
     found = contest(boom, build, lambda stage, share: stages.append((stage, share)))
@@ -65,6 +66,7 @@ def test_every_system_is_shown_by_its_literature_and_by_a_better_controller(resu
             ("one", "better", True),
             ("two", "literature", True),
             ("three", "literature", True),
+            ("four", "literature", True),
         )
         for mass in (24.5e3, 49e3)
     ]
@@ -100,6 +102,14 @@ def test_every_calibrated_value_says_on_what(boom):
         assert "assumed" not in boom.study.source_of(key)
 
 
+def test_every_value_of_a_system_has_a_least_and_a_largest(boom):
+    for name in type(boom.study.systems).model_fields:
+        part = getattr(boom.study.systems, name)
+        for key, field in getattr(type(part), "model_fields", {}).items():
+            assert field.json_schema_extra["at_least"] is not None, f"systems.{name}.{key}"
+            assert field.json_schema_extra["at_most"] is not None, f"systems.{name}.{key}"
+
+
 def test_one_value_changes_and_the_model_stays_the_same(boom):
     other = with_value(boom, "systems.load_sensing.play", 1.5)
     assert other.study.systems.load_sensing.play == pytest.approx(0.015)
@@ -121,6 +131,7 @@ def test_each_mass_is_run_with_the_middle_oil(boom, study_file):
         ('systems.four_chamber.low_pressure="13 MPa"', "systems.four_chamber", "low_pressure"),
         ("systems.load_sensing.dead_band_known=1.2", "dead_band_known", "at most 1"),
         ("systems.repeats=1", "systems.repeats", "at least 2"),
+        ('systems.cascade_loop.k_i="1e11 N/m"', "systems.cascade_loop", "k_i above"),
     ],
 )
 def test_bad_values_are_refused_by_name(study_file, value, key, rule):
