@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import json
+
 import numpy as np
 import pytest
 
+from mptune.job.kept_rows import checked_rows
 from mptune.params.load import load_study
 from mptune.sim.record import BrokenLimit, Energies, RunRecord
 from mptune.systems.compare import calibrated_keys, contest, load_cases, with_value
@@ -92,6 +95,16 @@ def test_what_is_calibrated_is_varied_on_the_largest_mass(result):
     assert margin.loss_j_per_mm == pytest.approx((20, 20, 20))
     assert margin.unit == "Pa"
     assert margin.source.startswith("calibrated: on the 29 J/mm")
+
+
+def test_what_is_left_for_the_report_is_taken_in_its_own_shape_alone(result):
+    rows = json.loads(json.dumps(result.rows()))
+    assert checked_rows("systems", rows) == tuple(rows)
+    for key, value in (("kind", "system"), ("title", 3), ("energy_residual", "1e-14")):
+        with pytest.raises(ValueError, match=r"another shape, at rows\.0"):
+            checked_rows("systems", [{**rows[0], key: value}, *rows[1:]])
+    with pytest.raises(ValueError, match="another shape"):
+        checked_rows("systems", [*rows[:-1], {**rows[-1], "performance_index_ms": [1.0, 2.0]}])
 
 
 def test_every_calibrated_value_says_on_what(boom):
