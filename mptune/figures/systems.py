@@ -35,7 +35,7 @@ def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
     masses = sorted({one["mass_kg"] for one in runs})
     systems = list(dict.fromkeys((one["system"], one["title"]) for one in runs))
     with style():
-        figure = new_figure(3.6)
+        figure = new_figure(3.8)
         panels = np.atleast_1d(figure.subplots(1, len(masses) or 1, sharex=True, sharey=True))
         for axes, mass in zip(panels, masses, strict=False):
             for number, (key, title) in enumerate(systems):
@@ -53,7 +53,7 @@ def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
             axes.set_xticks(ticks, [str(tick) for tick in ticks])
             axes.minorticks_off()
         panels[0].set_ylabel(_LOSS.axis)
-        legend_below(figure, *panels)
+        legend_below(figure, *panels, columns=3)
     return figure
 
 
