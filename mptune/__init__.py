@@ -40,6 +40,7 @@ tune                           ``tune_gains``, ``baselines``, ``front``
 tune any loop                  ``design`` with ``pi_structure`` and others, ``structure_of``
 ask the nonlinear machine      ``verify_gains``; ``plan_campaign``, ``workers``, ``run_campaign``;
                                ``search_weights``; ``ForceController``
+compare other actuators        ``compare_systems``
 identify                       ``identify_loop``, ``fit_response``, ``read_response``, ``from_frd``
 do it all                      ``run``
 hand results over              ``.plot()``, ``.json()``, ``.to_xarray()``, ``.to_pandas()``,
@@ -73,6 +74,7 @@ if TYPE_CHECKING:
     from mptune.interop import Result, to_pandas
     from mptune.job.result import JobResult
     from mptune.job.run import run
+    from mptune.job.systems import compare_systems
     from mptune.loops.family import FamilyLoops
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.doubts import Doubt
@@ -112,6 +114,8 @@ if TYPE_CHECKING:
     from mptune.sim.judge import SetFigures
     from mptune.sim.record import BrokenLimit, Energies, RunRecord
     from mptune.sim.sampled import LinearMove, linear_moves
+    from mptune.systems.outcome import Outcome
+    from mptune.systems.result import CalibratedValue, SystemRun, SystemsResult
     from mptune.tune.baselines import Baseline, baselines
     from mptune.tune.front import Front, FrontPoint, front
     from mptune.tune.objective import Figures
@@ -152,6 +156,7 @@ _MODULES = {
     "interop": "Result, to_pandas",
     "job.result": "JobResult",
     "job.run": "run",
+    "job.systems": "compare_systems",
     "loops.family": "FamilyLoops",
     "params.controller": "Feedforward, Gains",
     "params.doubts": "Doubt",
@@ -189,6 +194,8 @@ _MODULES = {
     "sim.judge": "SetFigures",
     "sim.record": "BrokenLimit, Energies, RunRecord",
     "sim.sampled": "LinearMove, linear_moves",
+    "systems.outcome": "Outcome",
+    "systems.result": "CalibratedValue, SystemRun, SystemsResult",
     "tune.baselines": "Baseline, baselines",
     "tune.front": "Front, FrontPoint, front",
     "tune.objective": "Figures",
@@ -213,28 +220,26 @@ _HOMES = {
 
 __all__ = [
     "LEDGER", "PUBLISHED_GAINS", "Agreement", "Band", "Baseline", "Blocking", "Bound", "Box",
-    "BoxStability", "BoxedLoop", "Bracket", "BrokenLimit", "CampaignResult", "CaseResult",
-    "CaseStatus", "Certainty", "Certificates", "Change", "Check", "Concave", "Concession",
-    "Condition", "Cone", "Design", "Difference", "Doubt", "Draw", "Energies", "Excitation",
-    "Family", "FamilyLoops", "Fault",
-    "Feedforward", "Figures", "Fit", "FitStatus", "ForceController", "ForceResponse",
-    "FrequencyResponse", "Front", "FrontPoint", "Function", "Gains", "GainsFile", "Grounds",
-    "Guarantee", "Headline", "IdentifyResult", "InputError", "Interval", "Iterate", "JobResult",
-    "Judgement", "Limits",
-    "Linear", "LinearModel", "LinearMove", "Link", "LoopGains", "Margins", "Mark", "Measured",
-    "MeasurementPath", "Members", "MptuneError", "NominalPlant", "Norm", "OutputError", "Panel",
-    "Peak", "PeakVerdict", "Plan", "PlantBox", "PlantPoint", "Plants", "Point", "Progress",
-    "RationalPlant", "Recommendation", "Relief", "ResolvedStudy", "Result", "Round", "RunRecord",
-    "SetFigures", "ShapeStatus", "Shaped", "Sides", "Stability", "Stage", "Status", "Structure",
-    "Study", "SweepResult", "Trial", "TuneResult", "TuneStatus", "Use", "VelocityGain",
-    "VerifyResult", "Weights", "WeightsResult", "Workers", "baselines", "chain",
-    "controller_to_control", "design", "fit_response", "from_frd", "front", "gains_for",
-    "identify_loop", "judge", "judge_sweep", "linear_moves", "load_study", "machine_changes",
-    "machine_checks",
-    "p_structure", "pi_structure", "pid_structure", "plan_campaign", "position_structure",
-    "read_gains", "read_response", "run", "run_campaign", "search_weights", "structure_of",
-    "sweep", "to_pandas", "tune_gains", "verify_gains", "workers", "write_gains",
-    "write_response",
+    "BoxStability", "BoxedLoop", "Bracket", "BrokenLimit", "CalibratedValue", "CampaignResult",
+    "CaseResult", "CaseStatus", "Certainty", "Certificates", "Change", "Check", "Concave",
+    "Concession", "Condition", "Cone", "Design", "Difference", "Doubt", "Draw", "Energies",
+    "Excitation", "Family", "FamilyLoops", "Fault", "Feedforward", "Figures", "Fit", "FitStatus",
+    "ForceController", "ForceResponse", "FrequencyResponse", "Front", "FrontPoint", "Function",
+    "Gains", "GainsFile", "Grounds", "Guarantee", "Headline", "IdentifyResult", "InputError",
+    "Interval", "Iterate", "JobResult", "Judgement", "Limits", "Linear", "LinearModel",
+    "LinearMove", "Link", "LoopGains", "Margins", "Mark", "Measured", "MeasurementPath", "Members",
+    "MptuneError", "NominalPlant", "Norm", "Outcome", "OutputError", "Panel", "Peak", "PeakVerdict",
+    "Plan", "PlantBox", "PlantPoint", "Plants", "Point", "Progress", "RationalPlant",
+    "Recommendation", "Relief", "ResolvedStudy", "Result", "Round", "RunRecord", "SetFigures",
+    "ShapeStatus", "Shaped", "Sides", "Stability", "Stage", "Status", "Structure", "Study",
+    "SweepResult", "SystemRun", "SystemsResult", "Trial", "TuneResult", "TuneStatus", "Use",
+    "VelocityGain", "VerifyResult", "Weights", "WeightsResult", "Workers", "baselines", "chain",
+    "compare_systems", "controller_to_control", "design", "fit_response", "from_frd", "front",
+    "gains_for", "identify_loop", "judge", "judge_sweep", "linear_moves", "load_study",
+    "machine_changes", "machine_checks", "p_structure", "pi_structure", "pid_structure",
+    "plan_campaign", "position_structure", "read_gains", "read_response", "run", "run_campaign",
+    "search_weights", "structure_of", "sweep", "to_pandas", "tune_gains", "verify_gains", "workers",
+    "write_gains", "write_response",
 ]  # fmt: skip
 
 

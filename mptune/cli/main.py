@@ -34,6 +34,7 @@ from mptune.cli.options import (
 )
 from mptune.cli.run import run
 from mptune.cli.streams import take_streams
+from mptune.cli.systems import systems
 from mptune.cli.tune import tune
 from mptune.cli.weights import weights
 from mptune.escaping import printable
@@ -135,6 +136,7 @@ app.command()(weights)
 app.command()(campaign)
 app.command()(export)
 app.command()(compare)
+app.command()(systems)
 
 
 @app.command()

@@ -89,13 +89,16 @@ def to_png(figure: Figure, dots_per_inch: int = 160) -> bytes:
     return buffer.getvalue()
 
 
-def legend_below(figure: Figure, *axes: Axes) -> None:
-    """Put one legend for all the axes below the figure, where it covers no data."""
+def legend_below(figure: Figure, *axes: Axes, columns: int = 5) -> None:
+    """Put one legend for all the axes below the figure, where it covers no data.
+
+    Long labels ask for fewer ``columns`` at most.
+    """
     entries: dict[str, Any] = {}
     for one in axes:
         for handle, label in zip(*one.get_legend_handles_labels(), strict=True):
             entries.setdefault(label, handle)
-    rows = -(-len(entries) // 5)
+    rows = -(-len(entries) // columns)
     figure.legend(
         list(entries.values()),
         list(entries),

@@ -5,9 +5,9 @@ Only what the report shows is asked for; further keys may stand beside it.
 
 from __future__ import annotations
 
-from typing import Any, Final, Literal
+from typing import Annotated, Any, Final, Literal
 
-from pydantic import BaseModel, ConfigDict, TypeAdapter, ValidationError
+from pydantic import BaseModel, ConfigDict, Field, TypeAdapter, ValidationError
 
 
 class _KeptRow(BaseModel):
@@ -46,16 +46,51 @@ class _Trial(_KeptRow):
     converter_peak_mm: float | None = None
 
 
+class _Run(_KeptRow):
+    kind: Literal["run"]
+    system: str
+    title: str
+    boundary: str
+    controller: str
+    gains: str
+    best: bool
+    mass_kg: float
+    stable: bool
+    performance_index_ms: float | None
+    energy_loss_j_per_mm: float | None
+    force_error_integral_kn2s: float | None
+    valve_switches: float | None
+    energy_residual: float | None
+    reference_index_ms: float | None
+    returned_j_per_mm: float | None
+
+
+_Three = Annotated[list[float | None], Field(min_length=3, max_length=3)]
+
+
+class _Calibrated(_KeptRow):
+    kind: Literal["calibrated"]
+    key: str
+    value: float
+    unit: str
+    source: str
+    change: float
+    performance_index_ms: _Three
+    energy_loss_j_per_mm: _Three
+
+
+_SystemsRow = Annotated[_Run | _Calibrated, Field(discriminator="kind")]
 _SHAPES: Final[dict[str, TypeAdapter[Any]]] = {
     "comparison": TypeAdapter(list[_Controller]),
     "front": TypeAdapter(list[_Point]),
     "weights": TypeAdapter(list[_Trial]),
+    "systems": TypeAdapter(list[_SystemsRow]),
 }
 _MOST: Final = 2000  # rows: some ten times what commands keep
 
 
 def checked_rows(name: str, rows: Any) -> tuple[dict[str, Any], ...]:
-    """Return the rows of ``comparison``, ``front`` or ``weights`` as they are.
+    """Return the rows of ``comparison``, ``front``, ``weights`` or ``systems`` as they are.
 
     Raises
     ------

@@ -5,6 +5,7 @@
     <out>/<study>/comparison.json    the controllers of ``tune --compare``
     <out>/<study>/front.json         the points of ``tune --front``
     <out>/<study>/weights.json       the recommendation and the front of ``weights``
+    <out>/<study>/systems.json       the runs and calibrated values of ``systems``
     <out>/<study>/identification.nc  the panels of ``identify``
 
 Each says for which model it was made. What belongs to another one is not taken. What cannot be
@@ -32,7 +33,12 @@ if TYPE_CHECKING:
 
     from mptune.params.study import ResolvedStudy
 
-_FIGURES = {"comparison": "controllers", "front": "front", "weights": "weights"}
+_FIGURES = {
+    "comparison": "controllers",
+    "front": "front",
+    "weights": "weights",
+    "systems": "systems",
+}
 _LARGEST = 4_000_000  # bytes: some hundred times what commands keep
 
 
@@ -69,7 +75,13 @@ def leftovers(folder: Path, study: ResolvedStudy) -> Leftovers:
     }
     figures = {name: svg for name, svg in drawn.items() if svg is not None}
     return Leftovers(
-        rows["comparison"], rows["front"], rows["weights"], panels, figures, tuple(left_out)
+        rows["comparison"],
+        rows["front"],
+        rows["weights"],
+        panels,
+        figures,
+        rows["systems"],
+        tuple(left_out),
     )
 
 

@@ -17,6 +17,7 @@ from mptune.params.machine import Cylinder, Hose, Load, Oil, Supplies, Valves
 from mptune.params.manoeuvre import Manoeuvre, Verification
 from mptune.params.requirements import Objective, Requirements
 from mptune.params.section import Range, Section, refuse
+from mptune.params.systems import Systems
 from mptune.params.uncertainty import Model, Uncertainty, UncertaintySet
 from mptune.summary import Summarised
 
@@ -25,7 +26,7 @@ if TYPE_CHECKING:
 CHOSEN = ("gains", "feedforward")
 """Sections that a tuner may choose: they stand in gains files and outside the model's hash."""
 
-SOURCE_KINDS = ("published", "derived", "assumed", "measured")
+SOURCE_KINDS = ("published", "derived", "assumed", "calibrated", "measured")
 _LIKE_THIS = 'write sources like "cylinder.bore" = "derived: how"'
 
 
@@ -72,6 +73,7 @@ class Study(Summarised, Section):
     verification: Verification
     identification: Identification = Identification()
     campaign: Campaign = Campaign()
+    systems: Systems = Systems()
     sources: dict[
         Annotated[str, AfterValidator(_of_a_section)], Annotated[str, AfterValidator(_of_a_kind)]
     ] = Field(default_factory=dict)
@@ -180,7 +182,7 @@ class ResolvedStudy(Summarised, Section):
 
     def model_values(self) -> dict[str, Any]:
         """Return the SI model: all but what is chosen, what it is tried on, title and sources."""
-        tried_on = {"verification", "identification", "campaign"}
+        tried_on = {"verification", "identification", "campaign", "systems"}
         left_out = {*CHOSEN, "title", "sources", "uncertainty", *tried_on}
         values = self.study.model_dump(exclude=left_out)
         unnamed = {"measured": {"__all__": {"name"}}}  # a file's content counts, not its name

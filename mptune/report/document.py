@@ -19,6 +19,7 @@ from mptune.report.content.front import front_page
 from mptune.report.content.identification import identification
 from mptune.report.content.loops import gain_chain, inequalities, loop_plots, sensitivities
 from mptune.report.content.parameters import ledger, parameters
+from mptune.report.content.systems import systems
 from mptune.report.content.tradeoff import comparison, front
 from mptune.report.content.weights import weights
 from mptune.report.pdf import pdf
@@ -42,6 +43,7 @@ CHAPTERS: tuple[Callable[[Results], Chapter | None], ...] = (
     comparison,
     front,
     weights,
+    systems,
     identification,
     parameters,
     ledger,

@@ -36,6 +36,8 @@ class Leftovers:
         The points of ``tune --front``, as its JSON has them.
     weights
         The weights of ``weights``: the study's own, the recommended ones, the front.
+    systems
+        The runs and the calibrated values of ``systems``, as its JSON has them.
     panels
         Fig. 3's panels of ``identify``.
     figures
@@ -49,6 +51,7 @@ class Leftovers:
     weights: tuple[dict[str, Any], ...] = ()
     panels: tuple[Panel, ...] = ()
     figures: Mapping[str, bytes] | None = None
+    systems: tuple[dict[str, Any], ...] = ()
     left_out: tuple[str, ...] = ()
 
 

@@ -17,6 +17,7 @@ _DEVIATION = 0.2  # of the peak reference velocity: a larger one counts as a swi
 _YEAR = 365.25 * 86400.0  # s
 _PERIOD = 0.25  # s: swings further apart are no oscillation
 LIMIT_CYCLE_SWINGS = 8  # alternating swings in a row
+SATURATED = 0.05  # s in one set: a force reference that stands at its limit for as long
 
 
 class Judged(Protocol):

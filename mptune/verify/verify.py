@@ -26,7 +26,7 @@ from mptune.plant.valve import shut_valves
 from mptune.progress import silent
 from mptune.signals.outer_loop import INTEGRAL, OUTER_STATES, REFERENCE
 from mptune.sim import closed_loop as loop
-from mptune.sim.judge import LIMIT_CYCLE_SWINGS, set_figures
+from mptune.sim.judge import LIMIT_CYCLE_SWINGS, SATURATED, set_figures
 from mptune.sim.machine_record import record_of
 from mptune.sim.moves import moves_of
 from mptune.verify.result import CaseResult, CaseStatus, VerifyResult
@@ -49,7 +49,6 @@ if TYPE_CHECKING:
     from mptune.sim.record import BrokenLimit
 
 _START_PRESSURE_B = 6e6  # Pa; p_A follows from the balance of forces
-_SATURATED = 0.05  # s in one set
 
 
 class Case(NamedTuple):
@@ -254,7 +253,7 @@ def _status(sets: list[SetFigures], broken: BrokenLimit | None, *, finite: bool)
         return CaseStatus.LIMIT_CYCLE
     if broken:
         return CaseStatus.LIMIT_BROKEN
-    if any(one.saturated_s >= _SATURATED for one in sets):
+    if any(one.saturated_s >= SATURATED for one in sets):
         return CaseStatus.SATURATED
     return CaseStatus.STABLE
 

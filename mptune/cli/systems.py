@@ -1,0 +1,40 @@
+"""``mptune systems``: other actuators under the same load and moves."""
+
+from __future__ import annotations
+
+from mptune.cli.options import (
+    OUT,
+    GainsOption,
+    JsonOption,
+    OutOption,
+    QuietOption,
+    SetOption,
+    StudyArgument,
+    UncertaintyOption,
+    finish,
+)
+
+
+def systems(
+    study: StudyArgument,
+    gains: GainsOption = None,
+    override: SetOption = None,
+    uncertainty: UncertaintyOption = "",
+    out: OutOption = OUT,
+    json: JsonOption = False,
+    quiet: QuietOption = False,
+) -> None:
+    """Compare the machine with other actuators under the same load and moves."""
+    from mptune.cli import show, show_systems
+    from mptune.cli.study import load_study, with_warnings
+    from mptune.job.systems import systems_study
+
+    loaded = load_study(study, override or (), uncertainty)
+    with show.progress(quiet=quiet) as report:
+        result, files = systems_study(loaded, out, report, gains)
+    if json:
+        show.as_json(with_warnings(result.json(), loaded))
+    else:
+        show_systems.systems(result)
+        show.files(files)
+    finish(met=result.satisfied)

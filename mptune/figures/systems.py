@@ -1,0 +1,73 @@
+"""Loss over index of every system: what a drive costs against how well it follows."""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from mptune.figures.style import legend_below, new_figure, style
+from mptune.params.paper import OTHER_SYSTEMS
+from mptune.sim.merit import merit
+
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+_COLORS = (
+    "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#999999", "black",
+)  # fmt: skip
+_MARKERS = "osD^vP*X"
+_INDEX, _LOSS = merit("performance_index_ms"), merit("energy_loss_j_per_mm")
+
+
+def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
+    """Draw every run: filled by its literature's gains, open by the best ones under one rule.
+
+    Parameters
+    ----------
+    rows
+        As ``SystemsResult.rows`` has them; all but runs are left out.
+    """
+    runs = [one for one in rows if one["kind"] == "run" and one["stable"]]
+    masses = sorted({one["mass_kg"] for one in runs})
+    systems = list(dict.fromkeys((one["system"], one["title"]) for one in runs))
+    with style():
+        figure = new_figure(3.8)
+        panels = np.atleast_1d(figure.subplots(1, len(masses) or 1, sharex=True, sharey=True))
+        for axes, mass in zip(panels, masses, strict=False):
+            for number, (key, title) in enumerate(systems):
+                mine = [one for one in runs if one["system"] == key and one["mass_kg"] == mass]
+                _system(axes, mine, title, number)
+            axes.set(title=f"{mass / 1e3:g} t", xlabel=_INDEX.axis, xscale="log")
+            axes.set_ylim(bottom=0)
+            axes.margins(x=0.15)
+        for one in OTHER_SYSTEMS:
+            for axes in panels:
+                if one.key in dict(systems):
+                    axes.axhline(one.loss, color="#bbbbbb", linewidth=0.7, linestyle=":", zorder=0)
+        for axes in panels:
+            ticks = [10, 20, 30, 50, 100, 200]
+            axes.set_xticks(ticks, [str(tick) for tick in ticks])
+            axes.minorticks_off()
+        panels[0].set_ylabel(_LOSS.axis)
+        legend_below(figure, *panels, columns=3)
+    return figure
+
+
+def _system(axes: Axes, runs: Sequence[dict[str, Any]], title: str, number: int) -> None:
+    """Draw one system: from its literature's controller to its best one."""
+    look: dict[str, Any] = {
+        "color": _COLORS[number % len(_COLORS)],
+        "marker": _MARKERS[number % len(_MARKERS)],
+    }
+    index = [one[_INDEX.key] for one in runs]
+    loss = [one[_LOSS.key] for one in runs]
+    axes.plot(index, loss, color=look["color"], linewidth=0.8)
+    for one, x, y in zip(runs, index, loss, strict=True):
+        first = one["controller"] == "literature"
+        face = look["color"] if first else "white"
+        label = title if first else None
+        axes.plot(x, y, markerfacecolor=face, linestyle="none", markersize=6, label=label, **look)

@@ -1,0 +1,158 @@
+"""The paper's comparison on the study's own load: every system, a table, a figure."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from mptune.files import make_folder, write_whole
+from mptune.job.leftovers import keep
+from mptune.params.gains import read_gains
+from mptune.progress import silent
+from mptune.systems.compare import contest
+from mptune.systems.contender import LITERATURE, Contender, Tuned, contenders, gains_text
+from mptune.systems.eq22 import cascade_gains, pid_gains
+from mptune.systems.outcome import Outcome
+from mptune.verify.verify import Case, run_case
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mptune.params.controller import Feedforward, Gains
+    from mptune.params.study import ResolvedStudy
+    from mptune.params.systems import SteadyState
+    from mptune.progress import Progress
+    from mptune.systems.bench import LoadCase
+    from mptune.systems.result import SystemsResult
+
+THIS_MACHINE = "this machine"
+_BOUNDARY = "p_HP·Q_HP out of the accumulator; what flows into the tank line is lost (§7.1)"
+
+
+def systems_study(
+    study: ResolvedStudy,
+    out: str | Path,
+    progress: Progress = silent,
+    gains: str | Path | None = None,
+) -> tuple[SystemsResult, tuple[Path, ...]]:
+    """Compare the study's machine with other systems; draw it, and leave it for the report.
+
+    Parameters
+    ----------
+    study
+        The study.
+    out
+        Folder for the results.
+    progress
+        See ``compare_systems``.
+    gains
+        A gains file; the tuner finds gains where there is none.
+
+    Raises
+    ------
+    InputError
+        If the gains belong to another model.
+    """
+    from mptune.figures.style import to_svg
+    from mptune.figures.systems import loss_over_index
+
+    folder = make_folder(Path(out) / study.name)
+    file = None if gains is None else read_gains(gains, study.hash())
+    result = (
+        compare_systems(study, progress=progress)
+        if file is None
+        else compare_systems(study, file.gains, file.feedforward, progress)
+    )
+    files = (
+        write_whole(folder / "systems.svg", to_svg(loss_over_index(result.rows()))),
+        keep(folder, "systems", study, result.rows()),
+    )
+    return result, files
+
+
+def compare_systems(
+    study: ResolvedStudy,
+    gains: Gains | None = None,
+    feedforward: Feedforward | None = None,
+    progress: Progress = silent,
+) -> SystemsResult:
+    """Compare the study's machine with the systems of its ``[systems]``.
+
+    Each is run with its literature's controller and with the best one by a common rule, on every
+    mass of ``[verification]``; what was calibrated is varied.
+
+    Parameters
+    ----------
+    study
+        The study.
+    gains, feedforward
+        What the rule may choose for whatever has this machine's outer loops; the tuner's where
+        None.
+    progress
+        Told of the stages ``"tune"``, ``"best controllers"``, ``"systems"`` and ``"calibrated
+        values"``.
+    """
+    from mptune.tune.tuner import tune
+
+    if gains is None:
+        tuned = tune(study, progress)
+        gains, feedforward = tuned.gains, tuned.feedforward
+    ahead = feedforward or study.study.feedforward
+    return contest(
+        study,
+        lambda one: (*contenders(one, gains, ahead), *this_machine(one, gains, ahead)),
+        progress,
+    )
+
+
+def this_machine(study: ResolvedStudy, tuned: Gains, ahead: Feedforward) -> Iterator[Contender]:
+    """Yield this machine: as the study has it, under other outer loops, and by another decision.
+
+    Parameters
+    ----------
+    study
+        The study.
+    tuned, ahead
+        The tuner's gains and feed-forward, which the common rule may choose.
+    """
+    own, none = study.study.gains, study.study.feedforward
+    best = _under(study, "tuned", tuned, ahead)
+    published = _under(study, LITERATURE, own, none)
+    yield Contender("this_machine", THIS_MACHINE, _BOUNDARY, published, (best,))
+    asked = study.study.systems
+    if asked.pid_loop is not None:
+        under = _under(study, LITERATURE, pid_gains(asked.pid_loop), none)
+        yield Contender("pid_loop", "this machine, PID outer loop", _BOUNDARY, under)
+    if asked.cascade_loop is not None:
+        under = _under(study, LITERATURE, cascade_gains(asked.cascade_loop), none)
+        yield Contender("cascade_loop", "this machine, P + PI outer loops", _BOUNDARY, under)
+    if asked.steady_state is not None:
+        settled = _on_settled_pressures(study, asked.steady_state)
+        under = _under(settled, LITERATURE, own, none)
+        other = _under(settled, "tuned", tuned, ahead)
+        yield Contender("steady_state", "this machine, steady state", _BOUNDARY, under, (other,))
+
+
+def _on_settled_pressures(study: ResolvedStudy, weights: SteadyState) -> ResolvedStudy:
+    """Return the study with ref. 16's decision; what its weights do not name stays."""
+    controller = study.study.controller.model_copy(
+        update={"force_model": "steady-state", **weights.model_dump()}
+    )
+    return study.model_copy(
+        update={"study": study.study.model_copy(update={"controller": controller})}
+    )
+
+
+def _under(study: ResolvedStudy, name: str, gains: Gains, ahead: Feedforward) -> Tuned:
+    def run(case: LoadCase, factor: float) -> Outcome:
+        asked = study.study.verification.model_copy(update={"repeats": case.repeats})
+        short = study.model_copy(
+            update={"study": study.study.model_copy(update={"verification": asked})}
+        )
+        delay = asked.delay_ranges()[0]
+        machine = Case(case.mass, delay, case.oil_bulk_modulus, case.load_force, case.seed)
+        scaled = gains.model_copy(update={"k_p_vel": factor * gains.k_p_vel})
+        found = run_case(short, machine, scaled, ahead)
+        return Outcome(found.sets, found.record, found.broken)
+
+    return Tuned(name, gains_text(gains), run)
