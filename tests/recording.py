@@ -71,7 +71,7 @@ class Recording(NamedTuple):
     load: float
     inputs: np.ndarray  # (T, 12) in the order of mptune_inputs
     decisions: np.ndarray  # (T, 25) see the names above
-    trace: np.ndarray  # (T, 15)
+    trace: np.ndarray  # (T, 16)
 
 
 def rig_of(study, case, gains=None, feedforward=None):

@@ -82,3 +82,22 @@ class Feedforward(Section):
     velocity_reference_lag: float = quantity(
         "s", "τ_v", "lag of the velocity reference", 0.0, at_least=0
     )
+    preview: float = quantity(
+        "s", "t_p", "how far ahead of the others the acceleration reference is fed", 0.0,
+        at_least=0,
+    )  # fmt: skip
+    jerk: bool = Field(
+        default=False,
+        description="take the acceleration ahead from the jerk: the reference's future is unknown",
+    )
+    viscous_friction: float = quantity(
+        "N s/m", "b̂", "viscous friction fed forward", 0.0, at_least=0
+    )
+    coulomb_friction: float = quantity("N", "F̂_C", "Coulomb friction fed forward", 0.0, at_least=0)
+    friction_velocity: float = quantity(
+        "m/s", "v̂_s", "velocity reference about which Coulomb friction turns over", 2e-3, above=0
+    )
+    adaptive_mass: bool = Field(
+        default=False,
+        description="learn the mass on line, within the family's; acceleration_mass is its start",
+    )

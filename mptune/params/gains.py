@@ -99,6 +99,9 @@ def write_gains(path: str | Path, gains: GainsFile) -> Path:
             item = tomlkit.item(getattr(section, key))
             item.comment(f"{unit if unit != '1' else '-'}, {symbol}, {meaning}")
             table.add(key, item)
+        for key in type(section).model_fields:
+            if key not in table:
+                table.add(key, getattr(section, key))  # a switch
         document.add(name, table)
     document.add("figures", values["figures"])
     return write_whole(path, tomlkit.dumps(document))

@@ -12,7 +12,7 @@ from mptune.params.section import Range, Section, quantity, refuse
 class Manoeuvre(Section):
     """One move of the position reference, then a rest."""
 
-    kind: Literal["quintic", "trapezoid", "s-curve", "sine", "file"] = Field(
+    kind: Literal["quintic", "trapezoid", "s-curve", "sine", "velocity", "file"] = Field(
         "quintic", description="shape of the reference"
     )
     distance: float = quantity(
@@ -28,6 +28,10 @@ class Manoeuvre(Section):
     samples: tuple[tuple[float, float], ...] = Field(
         (), description="time [s] and position [m], read from the file that `file` names"
     )
+    speed: float = quantity("m/s", "v", "commanded speed, as from a joystick", 0.0)
+    ramp: float = quantity(
+        "s", "T_r", "time in which a commanded speed is reached, and left again", 0.1, above=0
+    )
 
     @model_validator(mode="after")
     def _has_what_its_kind_needs(self) -> Self:
@@ -36,6 +40,16 @@ class Manoeuvre(Section):
                 'has either no file with kind = "file" or a file with another kind',
                 'write kind = "file" and file = "name.csv"',
             )
+        if (self.kind == "velocity") != (self.speed != 0):
+            refuse(
+                'has either no speed with kind = "velocity" or a speed with another kind',
+                'write kind = "velocity" and speed = "50 mm/s"',
+            )
+        if self.kind == "velocity" and (self.distance != 0 or 2 * self.ramp > self.duration):
+            refuse(
+                "has a commanded speed with a distance, or with ramps longer than its duration",
+                "leave the distance out, and let twice the ramp fit into the duration",
+            )
         return self
 
     @property
@@ -43,6 +57,8 @@ class Manoeuvre(Section):
         """How far from its begin the move ends [m]."""
         if self.kind == "file":
             return self.samples[-1][1] - self.samples[0][1]
+        if self.kind == "velocity":
+            return self.speed * (self.duration - self.ramp)
         return 0.0 if self.kind == "sine" else self.distance
 
     @property

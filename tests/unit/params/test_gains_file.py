@@ -82,10 +82,13 @@ def fault_of(path, text, study_hash=""):
 positive = st.floats(min_value=1e-300, max_value=1e300)
 
 
-@given(st.tuples(*[positive] * 6), st.tuples(*[positive] * 3))
-def test_gains_come_back_to_the_last_bit(tmp_path_factory, numbers, leads):
+LEADS = [name for name, *_ in Feedforward.quantities()]
+
+
+@given(st.tuples(*[positive] * 6), st.tuples(*[positive] * len(LEADS)), st.booleans())
+def test_gains_come_back_to_the_last_bit(tmp_path_factory, numbers, leads, switch):
     names = ("k_p_vel", "k_p_pos", "k_i_pos", "omega", "xi", "tau")
-    feedforward = dict(zip(Feedforward.model_fields, leads, strict=True))
+    feedforward = dict(zip(LEADS, leads, strict=True)) | {"jerk": switch, "adaptive_mass": switch}
     file = gains_file(gains=dict(zip(names, numbers, strict=True)), feedforward=feedforward)
     path = tmp_path_factory.getbasetemp() / "round-trip.toml"
     assert read_gains(write_gains(path, file)) == file
