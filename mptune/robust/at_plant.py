@@ -38,4 +38,4 @@ def loop_around_measured(
     ``which`` is ``VELOCITY``, ``POSITION`` or ``FORCE``; NaN outside the measured band.
     """
     s = np.asarray(1j * omega, np.complex128)
-    return np.asarray(loop_around(which, s, response.at(omega) / (mass * s), gains, path))
+    return np.asarray(loop_around(which, s, response.at(omega) / (mass * s), mass, gains, path))

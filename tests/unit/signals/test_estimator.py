@@ -92,4 +92,4 @@ def test_an_injected_reference_makes_up_for_a_wrong_mass(injected):
         estimate(state, by, FAST, speed * time / 2, mass * acceleration, speed, mass)
         state[10] = speed
         worst = max(worst, abs(state[VELOCITY_HEARD] - speed))
-    assert (worst < 1e-12) is bool(injected)
+    assert bool(worst < 1e-12) is bool(injected)
