@@ -17,9 +17,12 @@ import numpy as np
 
 from mptune.arrays import FloatArray, kernel
 from mptune.certify.balls import ROUND
+from mptune.certify.climb import figure_at
 from mptune.certify.enclosure import (
     OMEGA,
     SIDES,
+    TAU_A,
+    TAU_B,
     Enclosed,
     PlantDiscs,
     clearance,
@@ -27,7 +30,7 @@ from mptune.certify.enclosure import (
     plant_over,
 )
 from mptune.certify.figures import coefficients
-from mptune.certify.rows import DELTA_N, FIXED, PER_DUAL, stored
+from mptune.certify.rows import DELTA_N, row_length, stored
 
 if TYPE_CHECKING:
     from mptune.certify.form import Form
@@ -36,6 +39,7 @@ PROVED, ABOVE, OPEN, STUCK = 0, 1, 2, 3
 _SMALLEST = 1e-13  # half a side over its place, below which it is not split any more
 _TINY = 1e-25  # and in itself, in SI
 _CARE = 1 + 1e-14
+_FOLDED_CARE = 1 + 1e-9
 _FAR = 1e-6  # weight of n over that of d, below which only zeros of d are asked for
 
 
@@ -45,6 +49,20 @@ class Found(NamedTuple):
     status: int
     boxes: int
     left: int
+
+
+class Rest(NamedTuple):
+    """What a truncated loop leaves out of L, where that depends on the box: see ``folded``."""
+
+    fixed: float
+    near: float
+    near_rate: float  # s
+    rate: float  # s; 0 where nothing depends on the box
+    offset: float  # c, of ``mptune.certify.sampled``
+    sought: float  # the bound that is to be proved; 0 where only zeros of d are asked for
+
+
+NO_REST = Rest(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @kernel
@@ -59,6 +77,7 @@ def search(
     count: int,
     budget: int,
     point: FloatArray,
+    rest: Rest = NO_REST,
 ) -> Found:
     """Prove that the figure is below a bound in every box of a list.
 
@@ -84,7 +103,7 @@ def search(
     slots = np.empty(len(lows), np.int64)
     for i in range(count):
         slots[i] = -1
-    rows = np.empty((len(lows), PER_DUAL * (FIXED + terms)))
+    rows = np.empty((len(lows), row_length(terms, form.path.estimator_mass)))
     half, slopes, spreads = np.empty(SIDES), np.empty(SIDES), np.empty(SIDES)
     centre = point
     boxes = 0
@@ -100,14 +119,17 @@ def search(
             coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], rows[last])
         row = rows[slots[last]]
         plant = plant_over(row, shifts, form.share_a, centre, half)
-        f = enclose(plant, row, terms, num, den, centre, half, slopes, spreads)
+        top, bottom = num, den
+        if rest.rate > 0:
+            top, bottom = _weights(num, den, rest, form.share_a, low)
+        f = enclose(plant, row, terms, top, bottom, centre, half, slopes, spreads)
         if _highest(f, slopes, spreads, half) < 0 or _clear(
-            plant, row, terms, num, den, centre, half
+            plant, row, terms, top, bottom, centre, half
         ):
             slots[last] = -1
             count -= 1
             continue
-        if f.value > f.error:
+        if f.value > f.error and (rest.rate == 0 or _above(form, shifts, curve, num, den, centre)):
             return Found(ABOVE, boxes, count)
         if _collapse(low, high, slopes, spreads):
             slots[last] = -1
@@ -120,6 +142,35 @@ def search(
         slots[count] = slots[last]
         count += 1
     return Found(PROVED, boxes, 0)
+
+
+@kernel
+def _weights(
+    num: float, den: float, rest: Rest, share_a: float, low: FloatArray
+) -> tuple[float, float]:
+    """Return the weights of n and d with what the loop leaves out over a box counted in.
+
+    With δ left out, X = x S + y T is below γ if |X_t| + δ(|y| + γ)|S_t| ≤ γ for the truncated loop,
+    and |S_t| ≤ |y| + |X_t| in all three mixtures.
+    """
+    shortest = min(low[TAU_A], low[TAU_B])
+    if shortest <= 0:
+        return 1.0, 0.0  # nothing can be proved
+    fall = _FOLDED_CARE * (share_a / low[TAU_A] + (1 - share_a) / low[TAU_B])
+    left = rest.fixed + min(rest.near, fall * rest.near_rate) + fall * rest.rate
+    if rest.sought == 0:
+        return left * left * _CARE, 1.0
+    reach = _FOLDED_CARE * left * (rest.offset + rest.sought)
+    sought = (rest.sought - reach * rest.offset) / (1 + reach)
+    return 1.0, sought * sought if sought > 0 else 0.0
+
+
+@kernel
+def _above(
+    form: Form, shifts: FloatArray, curve: FloatArray, num: float, den: float, centre: FloatArray
+) -> bool:
+    """Return whether the loop itself is above the bound at a box's centre, whole and not cut off."""
+    return num == 1.0 and figure_at(form, curve, centre) ** 2 > den
 
 
 @kernel

@@ -70,6 +70,12 @@ def pack_measured(study: ResolvedStudy) -> MeasurementPath:
     return MeasurementPath(path.sample_time, 0.0, time, by.mass, by.l_1, by.l_2, by.l_3)
 
 
+def force_noise(study: ResolvedStudy) -> float:
+    """Return the rms of the noise that both pressure sensors make of A_A p_A − A_B p_B [N]."""
+    cylinder = study.study.cylinder
+    return study.study.controller.pressure_noise * math.hypot(cylinder.area_a, cylinder.area_b)
+
+
 def pack_sensors(sensors: SensorTruth) -> Sensors:
     """Return what is untrue about the sensors as a kernel tuple."""
     return Sensors(

@@ -12,7 +12,7 @@ from mptune.errors import Fault, InputError
 from mptune.interop import frequency_response
 from mptune.loops.broken import FORCE, NAMES
 from mptune.loops.family import FamilyLoops, nominal_plants, plants_of
-from mptune.params.pack import pack_filters, pack_gains, pack_nominal, pack_path
+from mptune.params.pack import pack_gains, pack_measured, pack_nominal, pack_path
 from mptune.params.packed import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.robust.at_plant import loop_around_measured, loop_as_it_runs
 from mptune.robust.condition import Sides, nominal_loops, sides
@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
     from mptune.robust.measured import ForceResponse
 
-PATHS = ("none", "filters")
-"""Measurement paths of the continuous loops; the third, ``"sampled"``, is the loop as it runs."""
+PATHS = ("none", "filters", "estimator")
+"""Measurement paths of continuous loops; one more, ``"sampled"``, is the loop as it runs."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -52,7 +52,7 @@ class LinearModel(Summarised):
     path
         Measurement path that the study's inequalities include.
     filters
-        Measurement path as it runs.
+        Measurement path as it runs: the filters', or the state estimator's in their place.
     period
         T_S [s].
     """
@@ -75,7 +75,7 @@ class LinearModel(Summarised):
             nominal=pack_nominal(study),
             members=members_of(study, plants),
             path=pack_path(study),
-            filters=pack_filters(study.study.controller),
+            filters=pack_measured(study),
             period=study.study.controller.sampling_period,
         )
 
@@ -107,6 +107,25 @@ class LinearModel(Summarised):
         return "none" if self.path == NO_PATH else "filters"
 
     @property
+    def estimated(self) -> bool:
+        """Whether a state estimator stands in the filters' place."""
+        return self.filters.estimator_mass > 0
+
+    @property
+    def paths(self) -> tuple[str, str]:
+        """The continuous loops' paths: ``"none"``, and what measures, as it runs."""
+        return "none", "estimator" if self.estimated else "filters"
+
+    @property
+    def judged_path(self) -> str:
+        """The path on which the continuous loops' requirements rest.
+
+        It is that of the inequalities but with a state estimator, around which no velocity loop
+        separates: then the loop at F_ref is asked, and Eq. 17 and Eq. 21 are information.
+        """
+        return "estimator" if self.estimated else self.path_name
+
+    @property
     def runs(self) -> bool:
         """Whether every delay leaves room for the hold, so that there is a sampled loop."""
         return bool(self.plants.delay.min() >= self.period / 2)
@@ -122,8 +141,8 @@ class LinearModel(Summarised):
         return self.members.names if self.members else ()
 
     def path_of(self, name: str) -> MeasurementPath:
-        """Return the measurement path ``"none"`` or ``"filters"``."""
-        return {"none": NO_PATH, "filters": self.filters}[name]
+        """Return one of the study's own ``paths``."""
+        return dict(zip(self.paths, (NO_PATH, self.filters), strict=True))[name]
 
     def loops(
         self,
@@ -193,7 +212,7 @@ class LinearModel(Summarised):
         loop
             Where it is broken: ``"velocity"``, ``"position"`` or ``"force"`` (at F_ref).
         path
-            Measurement path ``"none"`` or ``"filters"``, that of the study's inequalities where
+            Measurement path, one of the study's ``paths``, that of the study's inequalities where
             None, or ``"sampled"`` for the loop at F_ref as it runs, in sampled time.
         plant
             A plant of the family, a measured one included; the nominal one where None.
@@ -207,8 +226,8 @@ class LinearModel(Summarised):
         """
         if loop not in NAMES:
             raise _no_loop("loop", loop, f"choose {', '.join(NAMES)}")
-        if path not in {None, *PATHS, "sampled"}:
-            raise _no_loop("path", path, f"choose {', '.join(PATHS)} or sampled")
+        if path not in {None, *self.paths, "sampled"}:
+            raise _no_loop("path", path, f"choose {', '.join(self.paths)} or sampled")
         packed = self.loops(self.gains if gains is None else gains).gains
         grid = self._grid(packed, plant, omega)
         name = f"{loop} loop of {self.study.name}"
