@@ -13,19 +13,20 @@ from dataclasses import replace
 from typing import TYPE_CHECKING
 
 from mptune.certify.ascent import attain
+from mptune.certify.climb import figure_at
 from mptune.certify.form import curve_of, form_of
 from mptune.certify.problem import plants_of
 from mptune.certify.proof import Proof
 from mptune.certify.result import Bracket
 from mptune.certify.sampled import ESTIMATED_TERMS
-from mptune.certify.search import PROVED
+from mptune.certify.search import ABOVE, PROVED
 from mptune.certify.stability import point_of, stable_plants
 
 if TYPE_CHECKING:
     from mptune.certify.problem import BoxedLoop, Point
     from mptune.params.packed import LoopGains
 
-_MOST_STEPS = 24
+_MOST_STEPS = 12
 _LARGEST = 1024.0  # beyond it nothing is asked
 _CARE = 1 - 1e-9
 _COARSE = 1.5  # times the attained |T|: what is proved
@@ -49,14 +50,18 @@ def gain_margin(problem: BoxedLoop, path: str, tolerance: float, budget: int) ->
         here = replace(problem, gains=_scaled(problem, lower))
         form = form_of(here, "force_reference", path, "complementary_peak")
         peak, place, edges = attain(here, form, curve_of(1.0), _COARSE)
-        own = _own_margin(problem, path, point_of(problem, place))
-        if own < upper:
-            upper, at = own, point_of(problem, place)
-        sought = _COARSE * max(peak, 1.0)
         proof = Proof(form, curve_of(1.0), edges, ESTIMATED_TERMS)
-        proved = proof.run(sought, budget) == PROVED
+        status = ABOVE
+        while status == ABOVE:
+            sought = _COARSE * max(peak, 1.0)
+            own = _own_margin(problem, path, point_of(problem, place))
+            if own < upper:
+                upper, at = own, point_of(problem, place)
+            status = proof.run(sought, budget)
+            place = proof.point.copy()
+            peak = max(float(figure_at(form, curve_of(1.0), place)), peak)
         boxes += proof.boxes
-        if not proved or lower > _LARGEST:
+        if status != PROVED or lower > _LARGEST:
             break
         lower *= 1 + _CARE / sought
         if upper <= (1 + tolerance) * lower:

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.errors import Fault, InputError
 from mptune.export.formats import Precision
 
 if TYPE_CHECKING:
@@ -18,16 +19,39 @@ _TITLE = (
     "Outer loops and filters of a multi-pressure hydraulic cylinder, written by mptune. "
     "MPT_Measurement runs every T_S,fast, MPT_OuterLoops every T_S."
 )
-_SECTIONS = ("outer_loops", "feedforward_lags", "filters")
+_SECTIONS = ("outer_loops", "feedforward_lags", "state_estimator", "filters")
 
 
 def structured_text(controller: TargetController) -> str:
-    """Return the function blocks and their constants; REAL where the precision is single."""
+    """Return the function blocks and their constants; REAL where the precision is single.
+
+    Raises
+    ------
+    InputError
+        If the study has what the blocks do not hold: a state estimator, friction fed forward or a
+        mass that is learnt on line.
+    """
+    _check_held(controller)
     blocks = resources.files("mptune.export").joinpath("st/outer_loops.st").read_text("utf-8")
     text = _comment(controller.heading(_TITLE)) + _constants(controller) + "\n" + blocks
     if controller.numbers.precision is Precision.FLOAT:
         return text.replace("LREAL", "REAL")
     return text
+
+
+def _check_held(controller: TargetController) -> None:
+    for key in ("estimator_mass", "adaptive", "viscous_friction", "coulomb_friction"):
+        value = controller.numbers.value(key)
+        if value != 0:
+            raise InputError(
+                controller.study.name,
+                Fault(
+                    key,
+                    f"{value:g}",
+                    "is nothing that the Structured Text blocks hold",
+                    "export to C or as a function mock-up unit instead",
+                ),
+            )
 
 
 def _constants(controller: TargetController) -> str:

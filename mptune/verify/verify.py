@@ -294,7 +294,7 @@ def new_memory(
     outer = np.zeros(loop.OUTER_PLACES)
     outer[INTEGRAL] = load / gains.k_p_vel
     outer[[REFERENCE, POSITION_HEARD, loop.SENSED]] = start
-    outer[LOAD_HEARD] = load
+    outer[LOAD_HEARD] = machine.area_a * pressure_a - machine.area_b * pressure_b
     start_learning(outer, ahead, load)
     return loop.Memory(
         state=state,
