@@ -25,8 +25,8 @@ from mptune.params.pack import (
     pack_table,
 )
 from mptune.plant.supplies import accumulator_pressure
-from mptune.signals.differentiator import differentiated
 from mptune.signals.adaptive_mass import fed_mass
+from mptune.signals.differentiator import differentiated
 from mptune.signals.outer_loop import acceleration_ahead, lag_references, outer_law
 from mptune.signals.trajectory import reference
 from mptune.sim import closed_loop as loop

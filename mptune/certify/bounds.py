@@ -43,18 +43,12 @@ def bound(
     loop
         ``"velocity"`` (Eq. 17), ``"position"`` (Eq. 21) or ``"force_reference"``.
     path
-        ``"none"``, ``"filters"`` or ``"estimator"``, or ``"sampled"`` for the loop at F_ref as it runs.
-    figure
-        ``"equation_17"``, ``"equation_21"``, ``"sensitivity_peak"``, ``"complementary_peak"`` or
-        ``"disk_margin"``.
-    tolerance
-        How far apart both may be, relative to the attained value; at least ``FOLDED`` where folds
-        are left out.
-    allowed
-        The largest allowed ratio of an equation, a number or a curve over frequency: the figure is
-        then what a plant uses of it.
-    budget
-        Boxes to try at most.
+        ``"none"``, ``"filters"`` or ``"estimator"``, or ``"sampled"`` for the loop at F_ref as it
+        runs. figure ``"equation_17"``, ``"equation_21"``, ``"sensitivity_peak"``,
+        ``"complementary_peak"`` or ``"disk_margin"``. tolerance How far apart both may be, relative
+        to the attained value; at least ``FOLDED`` where folds are left out. allowed The largest
+        allowed ratio of an equation, a number or a curve over frequency: the figure is then what a
+        plant uses of it. budget Boxes to try at most.
 
     Returns
     -------

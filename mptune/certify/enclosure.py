@@ -3,10 +3,10 @@
 F = |n|² − γ²|d|² = α|Y|² + 2 Re(βY) + δ, negative wherever the figure is below γ: no division, and
 a denominator that does not vanish is implied. The coordinates of a box are, in this order, ω
 [rad/s], μ = m_N/m, the delay d [s], τ_A and τ_B [s], and an extra phase φ [rad] that is zero but
-where a phase margin is asked for. With Ŷ = μH + E, H = Σ_k z_k G_F(jω_k) e^{−j(ω_k − ω)d}, Eq. 11 as
-G_F = a/(1 + jωτ_A) + (1 − a)/(1 + jωτ_B) and a = A_A/(A_A + A_B), and E such a sum of its own where a
-state estimator hears the force, whose mass it does not know, Y = Ŷ e^{−j(ωd + φ)}: |Y| knows
-nothing of the main phase, which therefore stands with β alone.
+where a phase margin is asked for. With Ŷ = μH + E, H = Σ_k z_k G_F(jω_k) e^{−j(ω_k − ω)d}, Eq. 11
+as G_F = a/(1 + jωτ_A) + (1 − a)/(1 + jωτ_B) and a = A_A/(A_A + A_B), and E such a sum of its own
+where a state estimator hears the force, whose mass it does not know, Y = Ŷ e^{−j(ωd + φ)}: |Y|
+knows nothing of the main phase, which therefore stands with β alone.
 """
 
 from __future__ import annotations

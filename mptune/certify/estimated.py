@@ -1,4 +1,4 @@
-"""The coefficients of the loop at F_ref around a state estimator, in continuous time and as it runs.
+"""The coefficients of the loop at F_ref around a state estimator: continuous, and as it runs.
 
 With κ = m_N/m̂ and ``mptune.signals.estimator``'s ŝ, w, λ_i and Δ, u = ŝ/s and P = s m_N/K_P,vel,
 the loop gain times s²R P, over what ``mptune.certify.figures`` divides s²R and Q by, is ::
@@ -54,14 +54,14 @@ class Responses(NamedTuple):
 
 
 @kernel
-def responses(path: MeasurementPath, omega: float, half: float, folded: bool) -> Responses:
-    """Return the responses about a frequency; ``folded`` where it is an alias [rad/s]."""
+def responses(path: MeasurementPath, omega: float, half: float, folded: int) -> Responses:
+    """Return the responses about a frequency; ``folded`` above 0 where it is an alias [rad/s]."""
     time = path.sample_time
     first, second, third = path.l_1 / time, path.l_2 / time, path.l_3 / time
     late = turning(omega, half, time)
     over = times(turning(omega, half, 0.5 * time), sinc(omega, half, 0.5 * time))
     slope = scaled(plus(constant(1.0), scaled(late, -1.0)), 1 / time)
-    if not folded:  # no digits lost at low frequency
+    if folded == 0:  # no digits lost at low frequency
         slope = times(polynomial(omega, half, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0), over)
     mean = scaled(plus(constant(1.0), late), 0.5)
     square = times(slope, slope)
@@ -94,7 +94,7 @@ def continuous_pair(
     form: Form, terms: int, first: Dual, law: Dual, omega: float, half: float, row: FloatArray
 ) -> Dual:
     """Store x and f, the second behind the ``terms`` and what is fixed; return Δ."""
-    known = responses(form.path, omega, half, False)
+    known = responses(form.path, omega, half, 0)
     rate = polynomial(omega, half, 0.0, 1.0, 0.0, 0.0, 0.0, 0.0)  # s
     of_place = plus(
         times(first, times(known.over_s, known.speed_of_place)), times(law, known.place_of_place)
@@ -119,7 +119,7 @@ def sampled_pairs(
     kappa = form.nominal.mass / form.path.estimator_mass
     floor, terms = floor_of(form.path), len(shifts)
     for k in range(terms):
-        known = responses(form.path, omega + shifts[k], half, k > 0)
+        known = responses(form.path, omega + shifts[k], half, k)
         share = share_of(omega, half, shifts[k])
         alias = round(shifts[k] * form.period / (2 * math.pi))
         held = scaled(hold, -1.0 if alias % 2 != 0 else 1.0)

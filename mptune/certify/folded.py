@@ -9,8 +9,8 @@ to a frequency ω is at most ::
 Folds are left out altogether, and with them all beyond the first, with |G_F| ≤ a/|ω_k τ_A| +
 (1 − a)/|ω_k τ_B| at the least τ of the box at hand: where the lags are long, as where the loop has
 least to spare, that is next to nothing. Below the first fold aliases beyond ±K are left out, with
-|G_F| ≤ 1 where that is less. Where a τ is zero nothing bounds the folds: a force that follows at once jumps with the
-hold, and is sampled as it jumps.
+|G_F| ≤ 1 where that is less. Where a τ is zero nothing bounds the folds: a force that follows at
+once jumps with the hold, and is sampled as it jumps.
 """
 
 from __future__ import annotations
@@ -98,7 +98,7 @@ def _highest(path: MeasurementPath, omega: float) -> tuple[float, float, float, 
     """Return bounds of m̂v̂/F, m̂x̂/F, v̂/x and x̂/x at frequencies up to ``omega``, enclosed."""
     found, half, floor = np.zeros(4), 0.5 * omega / _PARTS, floor_of(path)
     for part in range(_PARTS):
-        known = responses(path, (2 * part + 1) * half, half, True)
+        known = responses(path, (2 * part + 1) * half, half, 1)
         least = max(modulus(known.below.value) - known.below.spread, floor)
         fastest = (2 * part + 2) * half  # |ŝ| ≤ ω
         sizes = [

@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Interval = tuple[float, float]
 LEAST_MASS = 1e-3  # of the nominal mass: a growing box stops there
-PATHS = ("none", "filters", "estimator", "sampled")
+PATHS = ("none", "filters", "sampled")  # one more, "estimator", stands in the filters' place
 
 
 class Point(NamedTuple):

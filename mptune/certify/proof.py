@@ -47,9 +47,7 @@ def _left_out(form: Form, ratio: float, terms: int, end: float) -> tuple[float, 
 class _Part:
     """A list of boxes that ends at one frequency, and what a truncated loop leaves out up to it."""
 
-    def __init__(
-        self, boxes: FloatArray, left_out: float, by_lags: LeftOut = NOTHING
-    ) -> None:
+    def __init__(self, boxes: FloatArray, left_out: float, by_lags: LeftOut = NOTHING) -> None:
         self.left, self.left_out, self.by_lags = len(boxes), left_out, by_lags
         self.lows, self.highs = np.empty((2, self.left + _ROOM, SIDES))
         self.lows[: self.left], self.highs[: self.left] = boxes[:, 0], boxes[:, 1]

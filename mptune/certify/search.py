@@ -121,7 +121,7 @@ def search(
         plant = plant_over(row, shifts, form.share_a, centre, half)
         top, bottom = num, den
         if rest.rate > 0:
-            top, bottom = _weights(num, den, rest, form.share_a, low)
+            top, bottom = _weights(rest, form.share_a, low)
         f = enclose(plant, row, terms, top, bottom, centre, half, slopes, spreads)
         if _highest(f, slopes, spreads, half) < 0 or _clear(
             plant, row, terms, top, bottom, centre, half
@@ -129,7 +129,7 @@ def search(
             slots[last] = -1
             count -= 1
             continue
-        if f.value > f.error and (rest.rate == 0 or _above(form, shifts, curve, num, den, centre)):
+        if f.value > f.error and (rest.rate == 0 or _above(form, curve, num, den, centre)):
             return Found(ABOVE, boxes, count)
         if _collapse(low, high, slopes, spreads):
             slots[last] = -1
@@ -145,9 +145,7 @@ def search(
 
 
 @kernel
-def _weights(
-    num: float, den: float, rest: Rest, share_a: float, low: FloatArray
-) -> tuple[float, float]:
+def _weights(rest: Rest, share_a: float, low: FloatArray) -> tuple[float, float]:
     """Return the weights of n and d with what the loop leaves out over a box counted in.
 
     With δ left out, X = x S + y T is below γ if |X_t| + δ(|y| + γ)|S_t| ≤ γ for the truncated loop,
@@ -166,10 +164,8 @@ def _weights(
 
 
 @kernel
-def _above(
-    form: Form, shifts: FloatArray, curve: FloatArray, num: float, den: float, centre: FloatArray
-) -> bool:
-    """Return whether the loop itself is above the bound at a box's centre, whole and not cut off."""
+def _above(form: Form, curve: FloatArray, num: float, den: float, centre: FloatArray) -> bool:
+    """Return whether the loop itself is above the bound at a box's centre, not cut off."""
     return num == 1.0 and figure_at(form, curve, centre) ** 2 > den
 
 

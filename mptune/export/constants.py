@@ -13,7 +13,13 @@ import numpy as np
 from mptune.errors import Fault, InputError
 from mptune.export.formats import Precision
 from mptune.force.cost import force_limits
-from mptune.params.pack import pack_estimator, pack_feedforward, pack_force, pack_gains, pack_signals
+from mptune.params.pack import (
+    pack_estimator,
+    pack_feedforward,
+    pack_force,
+    pack_gains,
+    pack_signals,
+)
 from mptune.signals.tustin import discretise
 
 if TYPE_CHECKING:

@@ -84,7 +84,8 @@ def estimated_terms(
     ratio = omega / gains.omega
     shape = (ratio * ratio + 2 * gains.xi * ratio + 1) / (1 + (gains.tau * omega) ** 2)
     controller = share * (gains.k_p_pos * shape + gains.k_i_pos / omega)
-    return gains.k_p_vel * _moduli(size, controller, omega, mass, path) / abs(below)
+    found: float = gains.k_p_vel * _moduli(size, controller, omega, mass, path) / abs(below)
+    return found
 
 
 @kernel

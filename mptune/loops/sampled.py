@@ -27,6 +27,7 @@ import numba
 import numpy as np
 
 from mptune.arrays import BoolArray, Complex, ComplexArray, FloatArray, kernel, parallel_kernel
+from mptune.loops.held_force import adjugate, force_terms
 from mptune.loops.velocity import plant_at
 from mptune.signals.differentiator import TAPS
 from mptune.signals.tustin import discrete_response, discretise
@@ -100,7 +101,7 @@ def sampled_plant(plant: Plant, path: MeasurementPath, period: float, count: int
 
 
 @kernel
-def _estimated_plant(
+def _estimated_plant(  # noqa: C901 - one sum over the ticks of a period
     plant: Plant,
     path: MeasurementPath,
     period: float,
@@ -111,7 +112,7 @@ def _estimated_plant(
     """Return one plant with its state estimator as the controller samples it."""
     fast, mass = path.sample_time, path.estimator_mass
     ticks = round(period / fast)
-    delay = plant.delay - period / 2  # valve and computation
+    delay = plant.delay - 0.5 * period  # valve and computation
     gain = np.array([path.l_1, path.l_2, -path.l_3])
     ahead = np.array([[1.0, fast, -fast * fast / 2], [0.0, 1.0, -fast], [0.0, 0.0, 1.0]])
     pushed = np.array([fast * fast / 2, fast, 0.0]) / mass
@@ -128,13 +129,13 @@ def _estimated_plant(
         for degree in range(_QUARTIC + 1):
             for i in range(3):
                 summed[whole + degree, i] += of_place[i] * terms[degree]
-        _force_terms(terms, within, plant, factor_a, factor_b)
+        force_terms(terms, within, plant, factor_a, factor_b)
         for degree in range(_QUARTIC + 1):
             for i in range(3):
                 summed[whole + degree, i] += of_force[i] * terms[degree]
         power = step @ power
     trace = power[0, 0] + power[1, 1] + power[2, 2]
-    adjoint = _adjugate(power)
+    adjoint = adjugate(power)
     cofactors = adjoint[0, 0] + adjoint[1, 1] + adjoint[2, 2]
     faded = np.array([1.0, -trace, cofactors, -np.linalg.det(power)])
     heard = np.zeros((2, count))
@@ -148,37 +149,6 @@ def _estimated_plant(
                 if k + 2 < count:
                     heard[row, k + 2] += adjoint[row, i] * summed[k, i]
     return SampledPlant(heard[0].copy(), heard[1].copy(), factor_a, factor_b, faded)
-
-
-@kernel
-def _adjugate(m: FloatArray) -> FloatArray:
-    """Return the adjugate of a matrix ``(3, 3)``."""
-    found = np.empty((3, 3))
-    for i in range(3):
-        for j in range(3):
-            a, b, c, d = (i + 1) % 3, (i + 2) % 3, (j + 1) % 3, (j + 2) % 3
-            found[j, i] = m[a, c] * m[b, d] - m[a, d] * m[b, c]
-    return found
-
-
-@kernel
-def _force_terms(
-    terms: FloatArray, within: float, plant: Plant, factor_a: float, factor_b: float
-) -> None:
-    """Fill the coefficients of F(w, θ) times (1 − w)² (1 − E_A w)(1 − E_B w)."""
-    terms[:] = 0.0
-    for side in range(2):
-        own, other = (factor_a, factor_b) if side == 0 else (factor_b, factor_a)
-        share = plant.share_a if side == 0 else 1 - plant.share_a
-        faded = own**within
-        # y_θ (1 − E w) = (1 − E^θ) + (E^θ − E) w, then (1 − E_other w)(1 − 2 w + w²)
-        now, then = share * (1 - faded), share * (faded - own)
-        first, second, third = -other - 2, 1 + 2 * other, -other
-        terms[0] += now
-        terms[1] += then + now * first
-        terms[2] += then * first + now * second
-        terms[3] += then * second + now * third
-        terms[4] += then * third
 
 
 @kernel

@@ -25,9 +25,7 @@ class Estimator(Section):
     kind: Literal["filters", "state"] = Field(
         "filters", description="median, position filter and Eq. 23, or a state estimator"
     )
-    bandwidth: float = quantity(
-        "rad/s", "ω_o", "bandwidth of the state estimator", 40.0, above=0
-    )
+    bandwidth: float = quantity("rad/s", "ω_o", "bandwidth of the state estimator", 40.0, above=0)
     mass: float | None = quantity(
         "kg", "m̂", "mass that the state estimator believes in; the least of the family", None,
         above=0,
@@ -56,8 +54,8 @@ def place_estimator(bandwidth: float, sample_time: float) -> EstimatorGains:
     one = math.exp(-angle)  # the real pole
     pair = cmath.exp(angle * cmath.exp(2j * math.pi / 3))
     twice, square = 2 * pair.real, abs(pair) ** 2
-    first, second, third = -(one + twice), one * twice + square, -one * square
-    position = -math.expm1(-2 * angle)  # 1 + third, no digits lost
+    first, second = -(one + twice), one * twice + square
+    position = -math.expm1(-2 * angle)  # 1 − Πz_i, no digits lost
     load = (first + second + position) / sample_time**2
     velocity = (first + 3 - position) / sample_time - load * sample_time / 2
     return EstimatorGains(position, velocity, load)

@@ -31,7 +31,11 @@ if TYPE_CHECKING:
 
 LARGEST, SMALLEST = 64.0, 1 / 64.0  # factors beyond which nothing is searched
 _STEPS = 30  # of a bisection
-_NAMES = {"none": "true family", "filters": "with measurement path", "estimator": "with state estimator"}
+_NAMES = {
+    "none": "true family",
+    "filters": "with measurement path",
+    "estimator": "with state estimator",
+}
 _DENSE = 3  # first grids laid into one another: the search does not refine
 
 

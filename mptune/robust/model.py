@@ -31,8 +31,8 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
     from mptune.robust.measured import ForceResponse
 
-PATHS = ("none", "filters", "estimator")
-"""Measurement paths of continuous loops; one more, ``"sampled"``, is the loop as it runs."""
+PATHS = ("none", "filters")
+"""Paths of continuous loops; ``"estimator"`` stands in the filters' place, ``"sampled"`` runs."""
 
 
 @dataclass(frozen=True, repr=False)

@@ -11,8 +11,8 @@ from mptune.arrays import FloatArray, frozen
 from mptune.certify.result import Grounds, Stability
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.noise import noise_force, noise_gain
-from mptune.params.pack import force_noise
 from mptune.loops.stability import PoleCount, count_unstable_poles
+from mptune.params.pack import force_noise
 from mptune.robust.certificates import (
     EQUATION_OF,
     Certificates,

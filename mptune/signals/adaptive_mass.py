@@ -43,9 +43,8 @@ FIRST_COVARIANCE = (4.0, 1.0, 2.25, 4.0)
 @kernel
 def fed_mass(state: FloatArray, ahead: FeedforwardTuple) -> float:
     """Return the mass that is fed forward [kg]: learnt, or fixed."""
-    if ahead.adaptive > 0:
-        return state[MASS]
-    return ahead.acceleration_mass
+    mass: float = state[MASS]
+    return mass if ahead.adaptive > 0 else ahead.acceleration_mass
 
 
 @kernel
@@ -92,9 +91,7 @@ def learn_mass(
     sign = speed / math.sqrt(speed * speed + turn * turn)
     motion, quick = state[LAGGED_ACCELERATION] / ACCELERATION_UNIT, speed / VELOCITY_UNIT
     _correct(state, (motion, quick, sign, 1.0), force)
-    state[MASS] = min(
-        max(state[FACTORS] / ACCELERATION_UNIT, ahead.mass_least), ahead.mass_largest
-    )
+    state[MASS] = min(max(state[FACTORS] / ACCELERATION_UNIT, ahead.mass_least), ahead.mass_largest)
 
 
 @kernel

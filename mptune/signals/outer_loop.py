@@ -8,9 +8,10 @@
 x_f is the filtered position and v_f its Eq. 23 derivative, or both a state estimator's; x_ref and
 v_ref may pass a lag of their own at T_S,fast. Where the reference's future is not known, a_ref is
 fed t_p ahead as a_ref + t_p j_ref, which has the same mean. Friction's sign is smoothed by a root,
-which every target has bit for bit, where a hyperbolic tangent is each library's own. The integrator stands still inside the dead zone, and where the force reference is
-at a limit that it would go further beyond. Nonlinear machine and linear run share these kernels;
-the exported controller says the same in C, bit for bit.
+which every target has bit for bit, where a hyperbolic tangent is each library's own. The integrator
+stands still inside the dead zone, and where the force reference is at a limit that it would go
+further beyond. Nonlinear machine and linear run share these kernels; the exported controller says
+the same in C, bit for bit.
 """
 
 from __future__ import annotations

@@ -33,7 +33,8 @@ def jerk(time: float, pieces: FloatArray) -> float:
     """Return the third derivative of the position at a time; as of ``reference`` [m/s³]."""
     low = piece_at(time, pieces)
     t = max(time - pieces[low, 0], 0.0)
-    return 6 * pieces[low, 4] + t * (24 * pieces[low, 5] + t * 60 * pieces[low, 6])
+    found: float = 6 * pieces[low, 4] + t * (24 * pieces[low, 5] + t * 60 * pieces[low, 6])
+    return found
 
 
 @kernel

@@ -1,7 +1,8 @@
 """The closed loop tick by tick: machine, valves, sensors, filters, outer loops, force controller.
 
 A tick is T_S,fast. Sensors are sampled and filtered at each, and a state estimator, where there
-is one in the filters' place, is carried on; the outer loops and the force controller run at every T_S / T_S,fast-th. Between ticks the machine is integrated.
+is one in the filters' place, is carried on; the outer loops and the force controller run at every
+T_S / T_S,fast-th. Between ticks the machine is integrated.
 """
 
 from __future__ import annotations
@@ -164,14 +165,15 @@ def run_ticks(
 def _sensed_position(memory: Memory, signals: SignalSettings) -> float:
     """Return where the position sensor's hysteresis stands [m]."""
     hysteresis = signals.sensors.hysteresis
-    if hysteresis == 0:
-        return memory.state[X]
-    memory.outer[SENSED] = backlash(memory.outer[SENSED], memory.state[X], hysteresis)
-    return memory.outer[SENSED]
+    place: float = memory.state[X]
+    if hysteresis > 0:
+        place = backlash(memory.outer[SENSED], place, hysteresis)
+        memory.outer[SENSED] = place
+    return place
 
 
 @kernel
-def _measure(
+def _measure(  # noqa: C901 - one signal after another, in one loop for speed
     memory: Memory,
     machine: Machine,
     signals: SignalSettings,

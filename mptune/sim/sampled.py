@@ -1,10 +1,11 @@
 """The linear closed loop as it runs: sampled at T_S, filtered at T_S,fast, with exact dead time.
 
 A state estimator may stand in the filters' place, and acceleration and friction are fed forward as
-on the machine; a mass that is learnt on line starts at the feed-forward's. Between samples the plant of Eq. 15 is advanced exactly: the force reference is held over T_S and
-reaches the plant after valve and computation, at whatever instant within a fast tick that is. The
-median counts as one sample. A constant load force is carried by the integrator from the start and
-so cancels; dead zone and stop logic, which are not linear, are left out.
+on the machine; a mass that is learnt on line starts at the feed-forward's. Between samples the
+plant of Eq. 15 is advanced exactly: the force reference is held over T_S and reaches the plant
+after valve and computation, at whatever instant within a fast tick that is. The median counts as
+one sample. A constant load force is carried by the integrator from the start and so cancels; dead
+zone and stop logic, which are not linear, are left out.
 """
 
 from __future__ import annotations

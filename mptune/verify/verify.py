@@ -184,9 +184,7 @@ def rig_of(study: ResolvedStudy, case: Case, gains: Gains, feedforward: Feedforw
         ahead=pack_feedforward(
             feedforward, controller.fast_sampling_period, study.uncertainty.mass
         ),
-        signals=pack_signals(
-            controller, pack_estimator(study), pack_sensors(study.study.sensors)
-        ),
+        signals=pack_signals(controller, pack_estimator(study), pack_sensors(study.study.sensors)),
         settings=pack_force(study),
         moves=moves_of(study.study.manoeuvre),
     )

@@ -28,8 +28,12 @@ if TYPE_CHECKING:
     from mptune.report.results import Results
     from mptune.robust.certificates import Certificates
 
-_PATHS = {"none": "without path", "filters": "with path", "estimator": "with state estimator",
-          "sampled": "sampled"}
+_PATHS = {
+    "none": "without path",
+    "filters": "with path",
+    "estimator": "with state estimator",
+    "sampled": "sampled",
+}
 _LOOPS = {"velocity": "velocity loop", "position": "position loop", "force_reference": "F_ref"}
 _FIGURES = {
     "equation_17": "Eq. 17",

@@ -44,7 +44,11 @@ ESTIMATED = (
 @pytest.fixture(scope="session", params=["fixed", "jerk", "adaptive"])
 def estimated_study(request, load_boom):
     """With a state estimator and all feed-forward, the mass fixed or learnt on line."""
-    more = {"fixed": "", "jerk": "feedforward.jerk=true", "adaptive": "feedforward.adaptive_mass=true"}
+    more = {
+        "fixed": "",
+        "jerk": "feedforward.jerk=true",
+        "adaptive": "feedforward.adaptive_mass=true",
+    }
     return load_boom(MOVES, *ESTIMATED, *filter(None, [more[request.param]]), corners=True)
 
 
