@@ -3,10 +3,11 @@
 PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
+PIP := $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 STAMP := $(VENV)/.installed
 STUDY ?= studies/boom/study.toml
 
-.PHONY: run test bench format setup coverage mutants
+.PHONY: run test bench fuzz format setup coverage mutants lock dist
 
 run: setup
 	$(BIN)/mptune run $(STUDY)
@@ -21,9 +22,14 @@ test: setup
 bench: setup
 	$(BIN)/pytest -m bench -s -p no:randomly tests/bench
 
+# Bad input, extreme studies, full disks and spoilt bytes, by rule and at length: half an hour and
+# more. MINUTES=10 chooses how long bytes are spoilt at random.
+fuzz: setup
+	NUMBA_NUM_THREADS=1 $(BIN)/pytest -m fuzz -s -n 0 tests/faults
+
 # Kernels count too: they run interpreted once, so that their lines are seen.
 coverage: setup
-	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -m "not bench and not compiled"
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -m "not bench and not fuzz and not compiled"
 	$(BIN)/coverage combine
 	$(BIN)/coverage report
 
@@ -32,13 +38,34 @@ coverage: setup
 mutants: setup
 	$(BIN)/python tests/mutants/run.py $(MUTANTS)
 
+# A wheel and an sdist, checked, and the wheel used in an environment of its own.
+dist: setup
+	rm -rf build dist
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dist]"
+	$(BIN)/python -m build --outdir dist .
+	$(BIN)/twine check --strict dist/*
+	$(BIN)/check-wheel-contents dist/*.whl
+	$(PYTHON) tests/dist/use_wheel.py
+
 format: setup
 	$(BIN)/ruff format .
 	$(BIN)/ruff check --fix .
 
+# The pinned versions with the hashes of their files, for every system and Python: after a change of
+# the dependencies or of constraints.txt. Needs uv (pip install uv); nothing else does.
+lock:
+	@printf '%s\n' '# The versions of constraints.txt with the hashes of their files, made by `make lock`.' > lock.part
+	printf 'setuptools>=77\n' | uv pip compile pyproject.toml - --extra test --universal \
+		--python-version 3.11 --constraints constraints.txt --generate-hashes \
+		--no-emit-index-url --no-header --no-annotate --quiet >> lock.part
+	mv lock.part requirements.lock
+
 setup: $(STAMP)
 
-$(STAMP): pyproject.toml constraints.txt
+# What is installed has the hashes of requirements.lock; then the project itself, without looking
+# for anything else.
+$(STAMP): pyproject.toml requirements.lock
 	$(PYTHON) -m venv $(VENV)
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[test]"
+	$(PIP) --require-hashes --no-deps -r requirements.lock
+	$(PIP) --no-deps --no-build-isolation -e .
 	touch $(STAMP)

@@ -10,7 +10,9 @@ Equation   Module
 4          ``mptune.plant.bulk``
 5          ``mptune.force.estimator``
 6          ``mptune.force.search_space``
-7, 8       ``mptune.force.cost``, ``mptune.force.select``
+7, 8       ``mptune.force.cost``, ``mptune.force.select``; beyond the paper's
+           own decision ``mptune.force.horizon``, ``mptune.force.dynamic``,
+           ``mptune.force.steady``
 9, 10      ``mptune.force.stop``
 11, 12     ``mptune.loops.force_dynamics``
 14-16, 18  ``mptune.loops.velocity``
@@ -32,7 +34,8 @@ and whatever their methods and fields hold, is public as well. Only the sections
 To                             use
 =============================  =====================================================================
 read and write                 ``load_study``, ``read_gains``, ``write_gains``
-judge gains                    ``sweep``, ``chain``, ``LinearModel``, ``linear_moves``
+judge gains                    ``sweep``, ``chain``, ``judge_sweep``, ``LinearModel``,
+                               ``linear_moves``; elsewhere: ``gains_for``
 tune                           ``tune_gains``, ``baselines``, ``front``
 tune any loop                  ``design`` with ``pi_structure`` and others, ``structure_of``
 ask the nonlinear machine      ``verify_gains``; ``plan_campaign``, ``workers``, ``run_campaign``;
@@ -72,7 +75,10 @@ if TYPE_CHECKING:
     from mptune.job.run import run
     from mptune.loops.family import FamilyLoops
     from mptune.params.controller import Feedforward, Gains
-    from mptune.params.gains import GainsFile, read_gains, write_gains
+    from mptune.params.doubts import Doubt
+    from mptune.params.gains import GainsFile, gains_for, read_gains, write_gains
+    from mptune.params.headline import Headline
+    from mptune.params.judged_on import Difference
     from mptune.params.load import load_study
     from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant, Plants
     from mptune.params.paper import LEDGER, PUBLISHED_GAINS
@@ -82,6 +88,7 @@ if TYPE_CHECKING:
     from mptune.robust.chain import Link, chain
     from mptune.robust.condition import Sides
     from mptune.robust.family import Family
+    from mptune.robust.headline import Judgement, judge, judge_sweep
     from mptune.robust.margins import Margins
     from mptune.robust.measured import ForceResponse, Members
     from mptune.robust.model import LinearModel
@@ -111,6 +118,9 @@ if TYPE_CHECKING:
     from mptune.tune.result import Blocking, Concession, Round, TuneResult, TuneStatus
     from mptune.tune.tuner import tune as tune_gains
     from mptune.tune.velocity import VelocityGain
+    from mptune.verify.before_after import Change, Mark
+    from mptune.verify.before_after import changes as machine_changes
+    from mptune.verify.checks import machine_checks
     from mptune.verify.result import CaseResult, CaseStatus, VerifyResult
     from mptune.verify.verify import verify as verify_gains
     from mptune.weigh.procedure import Stage
@@ -144,7 +154,10 @@ _MODULES = {
     "job.run": "run",
     "loops.family": "FamilyLoops",
     "params.controller": "Feedforward, Gains",
-    "params.gains": "GainsFile, read_gains, write_gains",
+    "params.doubts": "Doubt",
+    "params.gains": "GainsFile, gains_for, read_gains, write_gains",
+    "params.headline": "Headline",
+    "params.judged_on": "Difference",
     "params.load": "load_study",
     "params.packed": "LoopGains, MeasurementPath, NominalPlant, Plants",
     "params.paper": "LEDGER, PUBLISHED_GAINS",
@@ -154,6 +167,7 @@ _MODULES = {
     "robust.chain": "Link, chain",
     "robust.condition": "Sides",
     "robust.family": "Family",
+    "robust.headline": "Judgement, judge, judge_sweep",
     "robust.margins": "Margins",
     "robust.measured": "ForceResponse, Members",
     "robust.model": "LinearModel",
@@ -181,6 +195,8 @@ _MODULES = {
     "tune.result": "Blocking, Concession, Round, TuneResult, TuneStatus",
     "tune.tuner": "tune as tune_gains",
     "tune.velocity": "VelocityGain",
+    "verify.before_after": "Change, Mark, changes as machine_changes",
+    "verify.checks": "machine_checks",
     "verify.result": "CaseResult, CaseStatus, VerifyResult",
     "verify.verify": "verify as verify_gains",
     "weigh.procedure": "Stage",
@@ -198,20 +214,23 @@ _HOMES = {
 __all__ = [
     "LEDGER", "PUBLISHED_GAINS", "Agreement", "Band", "Baseline", "Blocking", "Bound", "Box",
     "BoxStability", "BoxedLoop", "Bracket", "BrokenLimit", "CampaignResult", "CaseResult",
-    "CaseStatus", "Certainty", "Certificates", "Check", "Concave", "Concession", "Condition",
-    "Cone", "Design", "Draw", "Energies", "Excitation", "Family", "FamilyLoops", "Fault",
+    "CaseStatus", "Certainty", "Certificates", "Change", "Check", "Concave", "Concession",
+    "Condition", "Cone", "Design", "Difference", "Doubt", "Draw", "Energies", "Excitation",
+    "Family", "FamilyLoops", "Fault",
     "Feedforward", "Figures", "Fit", "FitStatus", "ForceController", "ForceResponse",
     "FrequencyResponse", "Front", "FrontPoint", "Function", "Gains", "GainsFile", "Grounds",
-    "Guarantee", "IdentifyResult", "InputError", "Interval", "Iterate", "JobResult", "Limits",
-    "Linear", "LinearModel", "LinearMove", "Link", "LoopGains", "Margins", "Measured",
+    "Guarantee", "Headline", "IdentifyResult", "InputError", "Interval", "Iterate", "JobResult",
+    "Judgement", "Limits",
+    "Linear", "LinearModel", "LinearMove", "Link", "LoopGains", "Margins", "Mark", "Measured",
     "MeasurementPath", "Members", "MptuneError", "NominalPlant", "Norm", "OutputError", "Panel",
     "Peak", "PeakVerdict", "Plan", "PlantBox", "PlantPoint", "Plants", "Point", "Progress",
     "RationalPlant", "Recommendation", "Relief", "ResolvedStudy", "Result", "Round", "RunRecord",
     "SetFigures", "ShapeStatus", "Shaped", "Sides", "Stability", "Stage", "Status", "Structure",
     "Study", "SweepResult", "Trial", "TuneResult", "TuneStatus", "Use", "VelocityGain",
     "VerifyResult", "Weights", "WeightsResult", "Workers", "baselines", "chain",
-    "controller_to_control", "design", "fit_response", "from_frd", "front", "identify_loop",
-    "linear_moves", "load_study",
+    "controller_to_control", "design", "fit_response", "from_frd", "front", "gains_for",
+    "identify_loop", "judge", "judge_sweep", "linear_moves", "load_study", "machine_changes",
+    "machine_checks",
     "p_structure", "pi_structure", "pid_structure", "plan_campaign", "position_structure",
     "read_gains", "read_response", "run", "run_campaign", "search_weights", "structure_of",
     "sweep", "to_pandas", "tune_gains", "verify_gains", "workers", "write_gains",

@@ -12,11 +12,13 @@ from typing import TYPE_CHECKING, Final
 
 from mptune.errors import Fault, InputError
 from mptune.files import write_whole
+from mptune.hdf5 import check_total, stored_arrays
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _ENGINE: Final = "h5netcdf"
+_LARGEST: Final = 2_000_000_000  # bytes
 
 
 def write_dataset(path: str | Path, dataset: xr.Dataset) -> Path:
@@ -40,10 +42,17 @@ def read_dataset(path: str | Path, remedy: str = "make it again") -> xr.Dataset:
     InputError
         If the file cannot be read; with ``remedy``.
     """
+    import h5py
     import xarray as xr
 
     try:
-        with xr.open_dataset(io.BytesIO(Path(path).read_bytes()), engine=_ENGINE) as dataset:
+        content = io.BytesIO(Path(path).read_bytes())
+        with h5py.File(content, "r") as file:
+            check_total(Path(path), stored_arrays(Path(path), file), _LARGEST)
+        with xr.open_dataset(content, engine=_ENGINE) as dataset:
             return dataset.load()
-    except (OSError, ValueError, KeyError) as error:
-        raise InputError(path, Fault("", "", f"cannot be read: {error}", remedy)) from error
+    except InputError:
+        raise
+    except Exception as error:  # damaged files break these libraries in many ways
+        rule = f"cannot be read: {str(error)[:200]}"
+        raise InputError(path, Fault("", "", rule, remedy)) from error

@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import contextlib
 import os
+import secrets
 import tempfile
 from pathlib import Path
 
@@ -15,7 +16,7 @@ from mptune.errors import Fault, InputError, OutputError
 
 
 def read_text(path: str | Path, remedy: str = "check the path") -> str:
-    """Return the text of a UTF-8 file.
+    """Return the text of a UTF-8 file, without the byte-order mark that some editors write.
 
     Parameters
     ----------
@@ -30,7 +31,7 @@ def read_text(path: str | Path, remedy: str = "check the path") -> str:
         If the path is missing, is a folder, may not be read, is empty or is not UTF-8 text.
     """
     try:
-        text = Path(path).read_bytes().decode("utf-8")
+        text = Path(path).read_bytes().decode("utf-8-sig")
     except FileNotFoundError as error:
         raise InputError(path, Fault("", "", "does not exist", remedy)) from error
     except IsADirectoryError as error:
@@ -42,6 +43,9 @@ def read_text(path: str | Path, remedy: str = "check the path") -> str:
     except OSError as error:
         fault = Fault("", "", f"cannot be read: {error.strerror}", "check its permissions")
         raise InputError(path, fault) from error
+    except ValueError as error:  # NUL, or halves of pairs
+        fault = Fault("", repr(str(path)), "is no path that a file can have", "check the path")
+        raise InputError("path", fault) from error
     if not text.strip():
         raise InputError(path, Fault("", "", "is empty", remedy))
     return text
@@ -77,7 +81,9 @@ def write_whole(path: str | Path, content: bytes | str) -> Path:
     """
     data = content.encode("utf-8") if isinstance(content, str) else content
     path = Path(path)
-    beside = path.with_name(f".{path.stem}.{os.getpid()}.part{path.suffix}")
+    # Among machines that share a folder, and among threads, a process's number is not unique.
+    mark = f"{os.getpid()}-{secrets.token_hex(4)}"
+    beside = path.with_name(f".{path.stem}.{mark}.part{path.suffix}")
     try:
         with beside.open("wb") as stream:
             stream.write(data)

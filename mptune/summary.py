@@ -8,12 +8,13 @@ the number of plants, frequencies or runs.
 from __future__ import annotations
 
 import dataclasses
-import html
 from collections.abc import Mapping
 from pathlib import PurePath
 from typing import Any
 
 import numpy as np
+
+from mptune.escaping import html_text
 
 LINES = 30
 """No result shows itself in more lines than these."""
@@ -40,10 +41,10 @@ class Summarised:
     def _repr_html_(self) -> str:
         """Return the same as a table for notebooks."""
         rows = "".join(
-            f"<tr><th>{html.escape(name)}</th><td>{html.escape(text)}</td></tr>"
+            f"<tr><th>{html_text(name)}</th><td>{html_text(text)}</td></tr>"
             for name, text in _facts(self)
         )
-        return f"<table><caption>{html.escape(_cut(self.headline))}</caption>{rows}</table>"
+        return f"<table><caption>{html_text(_cut(self.headline))}</caption>{rows}</table>"
 
 
 def tuple_text(values: Any) -> str:

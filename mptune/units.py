@@ -21,9 +21,15 @@ _QUANTITY = re.compile(
 )
 # Unit names with at most one small power each: nothing that takes time to evaluate.
 _UNIT = re.compile(
-    r"(?:[A-Za-zµμ°%]+(?:\s*(?:\^|\*\*)\s*-?\d(?:\.\d)?(?![\d.]))?|1(?=\s*/)|[()*/·\s])+"
+    r"(?:[A-Za-zµμ°%_]+(?:\s*(?:\^|\*\*)\s*-?\d(?:\.\d)?(?![\d.]))?|1(?=\s*/)|[()*/·\s])+"
 )
 _LONGEST_UNIT = 40
+_MANY = 1e6  # units, beside which an offset does not cancel what tells them apart
+_TON = re.compile(r"\btons?\b")
+_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_PLAIN = str.maketrans("⁻⁺⁰¹²³⁴⁵⁶⁷⁸⁹", "-+0123456789")
+_RAISED = re.compile(r"[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
+_TENS = re.compile(r"(?<=\d)\s*[·×]\s*10\^(?=[-+]?\d)")
 
 
 class UnitError(ValueError):
@@ -58,40 +64,63 @@ def parse_quantity(text: str, unit: str) -> float:
     UnitError
         If the text is no quantity, has another dimension, or is not finite.
     """
-    match = _QUANTITY.fullmatch(text)
+    match = _QUANTITY.fullmatch(_typed(text))
     if match is None:
         raise UnitError(
             "is not a number with a unit", f'write a number and a unit, like "1 {unit}"'
         )
     value = float(match["number"])
+    factor, offset = _conversion(match["unit"], unit)  # zero of a wrong unit is still wrong
     if math.isfinite(value) and value != 0:
         # Multiplied as decimals, so that "12.2 ms" is the float 0.0122 and not its neighbour.
-        value = float(Decimal(match["number"]) * _factor(match["unit"], unit))
+        value = float(Decimal(match["number"]) * factor + offset)
     elif value == 0:
-        _factor(match["unit"], unit)  # zero of a wrong unit is still wrong
+        value = float(offset)
     if not math.isfinite(value):
         raise UnitError("is not a finite number", f"give a finite value in {unit}")
     return value
 
 
-def label_and_unit(text: str) -> tuple[str, str]:
-    """Return name and unit of a column's heading, ``"F_ref [kN]"``; the unit may be missing."""
-    label, _, rest = text.partition("[")
-    return label.strip(), rest.rstrip().removesuffix("]").strip()
+def is_unit(text: str) -> bool:
+    """Return whether a text is a unit of anything."""
+    written = _typed(text)
+    if len(written) > _LONGEST_UNIT or _UNIT.fullmatch(written) is None:
+        return False
+    try:
+        registry().parse_units(written)
+    except Exception:  # noqa: BLE001 - pint's parser raises whatever its tokenizer met
+        return False
+    return True
+
+
+def _typed(text: str) -> str:
+    """Return a text as it would be typed: what is printed with raised digits and true signs."""
+    plain = text.replace("−", "-").replace("⋅", "·")
+    plain = _RAISED.sub(lambda power: f"^{power[0].translate(_PLAIN)}", plain)
+    return _TENS.sub("e", plain)
 
 
 @cache
-def _factor(written: str, unit: str) -> Decimal:
-    """Return the SI value of one ``written`` unit, to the 15 digits that pint keeps of it."""
+def _conversion(written: str, unit: str) -> tuple[Decimal, Decimal]:
+    """Return the SI value of one ``written`` unit, to the 15 digits that pint keeps, and of none.
+
+    The value of 0 is not 0 for temperatures alone. A difference of temperatures is written in
+    delta_degC or delta_degF.
+    """
     import pint
 
     if not written:
         raise UnitError("has no unit", f'write the unit behind the number, like "1 {unit}"')
     if len(written) > _LONGEST_UNIT or _UNIT.fullmatch(written) is None:
         raise UnitError(f"has an unreadable unit {written!r}", f"write a unit of {unit}")
+    if _TON.search(written):
+        rule = f"is in {written}, and a ton is 1000 kg here, 907 or 1016 kg elsewhere"
+        raise UnitError(rule, "write t, or short_ton or long_ton")
     try:
-        parsed = registry().Quantity(1.0, registry().parse_units(written))
-        factor = float(parsed.to(unit).magnitude)
+        units = registry().parse_units(written)
+        zero, one, many = (
+            registry().Quantity(size, units).to(unit).magnitude for size in (0.0, 1.0, _MANY)
+        )
     except pint.UndefinedUnitError as error:
         raise UnitError(f"has an unknown unit {written!r}", f"write a unit of {unit}") from error
     except pint.DimensionalityError as error:
@@ -101,12 +130,14 @@ def _factor(written: str, unit: str) -> Decimal:
     except Exception as error:  # pint's parser raises whatever its tokenizer met
         raise UnitError(f"has an unreadable unit {written!r}", f"write a unit of {unit}") from error
     _refuse_cycles_for_radians(written, unit)
-    return Decimal(f"{factor:.15g}")
+    if zero == 0:
+        return Decimal(f"{one:.15g}"), Decimal(0)
+    return Decimal(f"{(many - zero) / _MANY:.15g}"), Decimal(f"{zero:.15g}")
 
 
 def _refuse_cycles_for_radians(written: str, unit: str) -> None:
     """Refuse Hz where rad/s is meant: the radian has no dimension, so pint would pass it as 1."""
-    if unit == "rad/s" and not re.search(r"rad|deg|rpm|turn|rev|cycle", written):
+    if unit == "rad/s" and not re.search(r"rad|deg|°|rpm|turn|rev|cycle", written):
         raise UnitError(
             f"is in {written}, which does not say whether radians or cycles are counted",
             'write it in rad/s (1 Hz is 6.2832 rad/s), like "42 rad/s"',
@@ -126,8 +157,6 @@ DISPLAY = {
 }
 """Factor and name of the units in print; what is not here is printed in SI."""
 
-_SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-
 
 def number(value: float, digits: int = 4) -> str:
     """Return a number for print; a dash where there is none."""
@@ -137,10 +166,41 @@ def number(value: float, digits: int = 4) -> str:
         return "∞"
     if value == 0 or 1e-3 <= abs(value) < 1e6:
         whole = len(str(int(abs(value))))
-        return f"{value:.{max(digits, whole)}g}"
+        text = f"{value:.{max(digits, whole)}g}"
+        if "e" not in text:  # as a million has, to which a little less may be rounded
+            return text
     mantissa, exponent = f"{value:.{digits - 1}e}".split("e")
     mantissa = mantissa.rstrip("0").rstrip(".")
     return f"{mantissa}·10{str(int(exponent)).translate(_SUPERSCRIPTS)}"
+
+
+_DECIMAL = re.compile(r"(?<![\w.])[+-]?\d+\.?\d*(?:[eE][+-]?\d+)?(?![\w.])")
+_ALL_DIGITS = 17  # tell any two floats apart
+
+
+def exact(value: float) -> str:
+    """Return the shortest decimal that reads back as this value: a limit, as it was written."""
+    return repr(value).removesuffix(".0")
+
+
+def number_beside(value: float, limits: str, digits: int = 4) -> str:
+    """Return a number for print, with as many digits as it needs to differ from its limits.
+
+    Parameters
+    ----------
+    value
+        The number.
+    limits
+        The limits as they are printed beside it, such as ``"≤ 0.48"`` or ``"2 … 5 1/s"``.
+    digits
+        Significant digits where they suffice.
+    """
+    others = [float(text) for text in _DECIMAL.findall(limits)]
+    for more in range(digits, _ALL_DIGITS):
+        text = number(value, more)
+        if all(one == value or text != number(one, more) for one in others):
+            return text
+    return exact(value)
 
 
 def shown(value: Any, unit: str, *, ranged: bool = False) -> str:

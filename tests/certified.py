@@ -11,7 +11,7 @@ import numpy as np
 from mptune.certify.climb import figure_at
 from mptune.certify.enclosure import OMEGA, SIDES, enclose, plant_over
 from mptune.certify.figures import coefficients
-from mptune.certify.form import curve_of, form_of
+from mptune.certify.form import COMPLIANCE, curve_of, form_of, scale_of
 from mptune.certify.problem import PATHS, BoxedLoop, PlantBox, edges_of
 from mptune.certify.proof import Proof
 from mptune.certify.rows import FIXED, PER_DUAL
@@ -28,6 +28,7 @@ FIGURES = [
     ("position", "filters", "equation_21"),
     *((loop, path, peak) for path in PATHS for loop in ("velocity", "position", "force_reference")
       for peak in PEAKS if path != "sampled" or loop == "force_reference"),
+    *(("force_reference", path, "peak_compliance") for path in PATHS),
 ]  # fmt: skip
 
 
@@ -87,11 +88,11 @@ def largest_value(form, curve, points):
     return max(figure_at(form, curve, point) for point in points)
 
 
-def limits(found):
-    """Return a bound's attained and guaranteed value, the disk margin's inverted."""
+def limits(found, form):
+    """Return a bound's two values as the search has them: a disk margin's inverted, no unit."""
     if found.figure == "disk_margin":
         return tuple(1 / value if value else math.inf for value in (found.attained, found.bound))
-    return found.attained, found.bound
+    return found.attained / scale_of(form), found.bound / scale_of(form)
 
 
 def compare_with_intervals(rng, problem, name, program, terms=2):
@@ -133,9 +134,9 @@ def discs_of(form, curve, centre, half, terms):
     row = np.empty(PER_DUAL * (FIXED + len(shifts)))
     coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], row)
     plant = plant_over(row, shifts, form.share_a, centre, half)
-    scratch = np.empty((2, SIDES))
+    scratch, power = np.empty((2, SIDES)), 2 if form.figure == COMPLIANCE else 0
     top, bottom = (
-        enclose(plant, row, len(shifts), *weights, centre, half, *scratch)
+        enclose(plant, row, len(shifts), *weights, centre, half, *scratch, power)
         for weights in ((1.0, 0.0), (0.0, 1.0))
     )
     least, most = -bottom.value - bottom.spread, -bottom.value + bottom.spread
@@ -159,4 +160,5 @@ def exactly(program, form, name, centre, half, terms):
         for i, key in ((0, "omega"), (2, "delay"), (3, "tau_a"), (4, "tau_b"))
     }
     box["mass_ratio"] = (low[1], high[1])
-    return program.figure(box, loop, name, terms)
+    low, high = program.figure(box, loop, name, terms)
+    return low / scale_of(form) * (1 - 4e-16), high / scale_of(form) * (1 + 4e-16)

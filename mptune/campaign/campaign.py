@@ -3,16 +3,17 @@
 from __future__ import annotations
 
 from contextlib import closing
+from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mptune.campaign.simulate import Controlled, simulate_rows
 from mptune.campaign.store import CampaignStore
+from mptune.claim import claimed
 from mptune.params.gains import version
 from mptune.progress import silent
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
-    from pathlib import Path
 
     from mptune.campaign.plan import Plan
     from mptune.campaign.result import CampaignResult
@@ -48,18 +49,21 @@ def run_campaign(
     Raises
     ------
     InputError
-        If the folder holds chunks and ``resume`` is False, or chunks of another campaign.
+        If the folder holds chunks and ``resume`` is False, chunks of another campaign, or a
+        finished one of another seed; or another process runs a campaign there.
     OutputError
         If a file cannot be written.
     """
     store = CampaignStore(folder, plan)
-    store.begin(resume=resume)
-    done = store.finished() if resume else None
-    if done is None:
-        _run_missing(plan, store, team, progress)
-        return store.merge()
-    store.discard_chunks()
-    return done
+    asked = plan.study.study.campaign
+    with claimed(Path(folder), "campaign", f"a campaign of {plan.runs} runs, seed {asked.seed}"):
+        store.begin(resume=resume)
+        done = store.finished() if resume else None
+        if done is None:
+            _run_missing(plan, store, team, progress)
+            return store.merge()
+        store.discard_chunks()
+        return done
 
 
 def _run_missing(plan: Plan, store: CampaignStore, team: Workers, progress: Progress) -> None:

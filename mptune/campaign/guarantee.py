@@ -10,6 +10,7 @@ from typing import NamedTuple
 
 from mptune.errors import Fault, InputError
 
+_LEAST = 1e-12  # probability that runs are counted for
 _FAILURES = (0, 1, 2, 5, 10)  # for which needed runs are listed
 
 
@@ -57,13 +58,18 @@ def runs_table(failure_probability: float, doubt: float) -> dict[int, int]:
     Raises
     ------
     InputError
-        If either number is no probability between 0 and 1.
+        If either number is no probability between 1e-12 and 1.
     """
     numbers = {"EPSILON": failure_probability, "DELTA": doubt}
     faults = [
-        Fault(name, f"{value:g}", "is not between 0 and 1", "give probabilities, like 0.01 1e-6")
+        Fault(
+            name,
+            f"{value:g}",
+            f"is not between {_LEAST:g} and 1",
+            "give probabilities, like 0.01 1e-6; less takes more runs than anybody makes",
+        )
         for name, value in numbers.items()
-        if not 0 < value < 1
+        if not _LEAST <= value < 1
     ]
     if faults:
         raise InputError("--runs-for", *faults)

@@ -12,6 +12,7 @@ from mptune.campaign.draw import PARAMETER_UNITS
 from mptune.campaign.guarantee import Guarantee, guarantee
 from mptune.campaign.simulate import FIGURES
 from mptune.interop import Drawn, Labelled
+from mptune.sim.judge import per_year
 from mptune.sim.merit import merit
 from mptune.strict import strict
 from mptune.summary import Summarised
@@ -40,7 +41,7 @@ class CampaignResult(Summarised, Drawn, Labelled):
     plan
         What was run; its ``points`` hold the parameters.
     figures
-        ``(R, 11)`` in the order of ``FIGURES``, §7's units; NaN where a run has none.
+        ``(R, 12)`` in the order of ``FIGURES``, §7's units; NaN where a run has none.
     status, reason
         ``(R,)`` how each closed loop behaved, and why a run failed (empty where it did not).
     """
@@ -117,6 +118,12 @@ class CampaignResult(Summarised, Drawn, Labelled):
             return None
         return int(np.nanargmax(merit(figure).badness(values)))
 
+    @property
+    def busiest_per_year(self) -> float:
+        """The most switches of one valve in a year at the study's duty, over all runs."""
+        worst = float(self.quantiles("busiest_valve_per_s")[-1])
+        return per_year(worst, self.plan.study.study.verification.duty)
+
     def correlations(self, figure: str) -> dict[str, float]:
         """Return Spearman's rank correlation of each parameter that varies with a figure.
 
@@ -163,6 +170,8 @@ class CampaignResult(Summarised, Drawn, Labelled):
                 )
             },
             "figures": {figure: self._figure_json(figure) for figure in FIGURES},
+            "duty": self.plan.study.study.verification.duty,
+            "busiest_valve_per_year": self.busiest_per_year,
         }
         return strict(values)
 

@@ -42,7 +42,7 @@ class RunRows(NamedTuple):
     """Runs as they are stored."""
 
     number: list[int]
-    figures: FloatArray  # (b, 11) in the order of FIGURES; NaN where there are none
+    figures: FloatArray  # (b, 12) in the order of FIGURES; NaN where there are none
     status: list[str]
     reason: list[str]  # why a run failed; empty where it did not
 

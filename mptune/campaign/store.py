@@ -9,7 +9,7 @@ from __future__ import annotations
 import contextlib
 import json
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -22,7 +22,7 @@ from mptune.files import make_folder
 from mptune.sim.merit import MERITS
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
+    from collections.abc import Mapping, Sequence
 
     import xarray as xr
 
@@ -30,6 +30,7 @@ if TYPE_CHECKING:
     from mptune.campaign.plan import Plan
 
 _IDENTITY = "campaign_identity"
+_SHOWN = 3  # differences
 _REMEDY = "delete it; --resume runs it again"
 
 
@@ -48,8 +49,10 @@ class CampaignStore:
         Raises
         ------
         InputError
-            If chunks stand there and ``resume`` is False.
+            If chunks stand there and ``resume`` is False, or a campaign of another seed: it would
+            be replaced, though nothing but luck tells the two apart.
         """
+        self._keep_other_seed()
         found = sorted(self.chunk_folder.glob("chunk-*.nc"))
         if found and not resume:
             fault = Fault(
@@ -60,6 +63,18 @@ class CampaignStore:
             )
             raise InputError(self.chunk_folder, fault)
         make_folder(self.chunk_folder)
+
+    def _keep_other_seed(self) -> None:
+        try:
+            stored = read_dataset(self.path).attrs
+            seed = json.loads(stored["campaign"])["seed"]
+        except (InputError, KeyError, TypeError, ValueError):
+            return  # there is none, or none that can be read
+        own = self._plan.study.study.campaign.seed
+        if seed != own:
+            rule = f"holds a campaign of seed {seed}, and this one has seed {own}"
+            remedy = "choose another --out, or move that file"
+            raise InputError(self.path, Fault("campaign.seed", str(own), rule, remedy))
 
     def missing(self) -> list[int]:
         """Return the numbers of the chunks that are still to be run.
@@ -139,12 +154,24 @@ class CampaignStore:
             fault = Fault(
                 _IDENTITY,
                 f"{str(dataset.attrs.get(_IDENTITY))[:12]}…",
-                f"belongs to another campaign than this one ({self._identity[:12]}…): study, "
-                "gains, settings or version differ",
+                f"belongs to another campaign than this one ({self._identity[:12]}…): "
+                f"{self._difference(dataset.attrs)}",
                 "resume with what it was begun with, choose another --out, or delete that folder",
             )
             raise InputError(path, fault)
         return dataset
+
+    def _difference(self, stored: Mapping[str, Any]) -> str:
+        """Return in which settings a stored campaign differs from this one, in words."""
+        try:
+            theirs, own = json.loads(stored["campaign"]), self._plan.values()["campaign"]
+            changed = [key for key in own if theirs.get(key) != json.loads(json.dumps(own[key]))]
+            pairs = [
+                f"{key} {theirs.get(key)!r:.40} there, {own[key]!r:.40} here" for key in changed
+            ]
+        except (AttributeError, KeyError, TypeError, ValueError):
+            pairs = []
+        return "; ".join(pairs[:_SHOWN]) or "study, gains or version differ"
 
     def _result(self, dataset: xr.Dataset) -> CampaignResult:
         if not np.array_equal(dataset["run"], np.arange(self._plan.runs)):

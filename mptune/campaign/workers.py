@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import signal
 import warnings
 from contextlib import contextmanager
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
 
 _AHEAD = 2  # tasks per worker under way; more would wait outside joblib's own queue
 _CONNECT = 10.0  # s
+_ADDRESS = re.compile(r"(?:(?:tcp|tls)://)?(?:\[[0-9a-fA-F:.]+\]|[\w.-]+):\d{1,5}", re.ASCII)
 
 
 class Workers:
@@ -96,6 +98,9 @@ def _connect(scheduler: str) -> Any:
     except ImportError as error:
         fault = Fault("", scheduler, "needs the extra `cluster`", "pip install 'mptune[cluster]'")
         raise InputError("--scheduler", fault) from error
+    if _ADDRESS.fullmatch(scheduler) is None:
+        rule, remedy = "is no address of a scheduler", "write it like tcp://host:8786"
+        raise InputError("--scheduler", Fault("", repr(scheduler), rule, remedy))
     try:
         return Client(scheduler, timeout=_CONNECT, set_as_default=False)
     except (OSError, TimeoutError, ValueError) as error:

@@ -10,7 +10,7 @@ import numpy as np
 
 from mptune.certify.climb import SINGULAR, explore
 from mptune.certify.enclosure import OMEGA, RATIO, SIDES
-from mptune.certify.form import EQUATION_17, EQUATION_21, MIXTURE
+from mptune.certify.form import COMPLIANCE, EQUATION_17, EQUATION_21, MIXTURE
 from mptune.certify.problem import edges_of
 from mptune.certify.sampled import terms_for
 from mptune.certify.search import ABOVE, PROVED
@@ -27,7 +27,7 @@ SMALLEST = 1e-3  # a figure below it is not told apart from it
 _FREQUENCIES = 160
 _DECADES = 4
 _CLIMBS = 4
-_FIRST_LEVELS = {EQUATION_17: 0.3, EQUATION_21: 0.2, MIXTURE: 1.3}
+_FIRST_LEVELS = {EQUATION_17: 0.3, EQUATION_21: 0.2, MIXTURE: 1.3, COMPLIANCE: 1.0}
 _RAISES = 12  # bounds that are tried before a figure is said to have none
 _ABOVE = 1.5  # times the peak's frequency: up to there a remainder has to be small
 _NOWHERE = np.empty(0)

@@ -8,7 +8,16 @@ from typing import TYPE_CHECKING
 
 from mptune.certify.ascent import SMALLEST, attain, close, terms_of
 from mptune.certify.climb import SINGULAR
-from mptune.certify.form import EQUATION_17, EQUATION_21, MIXTURE, Curve, curve_of, form_of
+from mptune.certify.form import (
+    COMPLIANCE,
+    EQUATION_17,
+    EQUATION_21,
+    MIXTURE,
+    Curve,
+    curve_of,
+    form_of,
+    scale_of,
+)
 from mptune.certify.proof import Proof
 from mptune.certify.result import Bound
 from mptune.certify.stability import corner_verdict, point_of, witness_near
@@ -44,11 +53,18 @@ def bound(
         ``"velocity"`` (Eq. 17), ``"position"`` (Eq. 21) or ``"force_reference"``.
     path
         ``"none"``, ``"filters"`` or ``"estimator"``, or ``"sampled"`` for the loop at F_ref as it
-        runs. figure ``"equation_17"``, ``"equation_21"``, ``"sensitivity_peak"``,
-        ``"complementary_peak"`` or ``"disk_margin"``. tolerance How far apart both may be, relative
-        to the attained value; at least ``FOLDED`` where folds are left out. allowed The largest
-        allowed ratio of an equation, a number or a curve over frequency: the figure is then what a
-        plant uses of it. budget Boxes to try at most.
+        runs.
+    figure
+        ``"equation_17"``, ``"equation_21"``, ``"sensitivity_peak"``, ``"complementary_peak"``,
+        ``"disk_margin"`` or, of the loop at F_ref, ``"peak_compliance"``, |S|/(mω²) [m/N].
+    tolerance
+        How far apart both may be, relative to the attained value; at least ``FOLDED`` where folds
+        are left out.
+    allowed
+        The largest allowed ratio of an equation, a number or a curve over frequency: the figure is
+        then what a plant uses of it.
+    budget
+        Boxes to try at most.
 
     Returns
     -------
@@ -60,6 +76,7 @@ def bound(
     ValueError
         If there is no such figure of that loop with that path.
     """
+    problem = problem.along(path)
     form = form_of(problem, loop, path, figure)
     if form.loop == SAMPLED and form.path.estimator_mass > 0:
         tolerance = max(tolerance, FOLDED)
@@ -67,6 +84,8 @@ def bound(
     witness, known = _corner_witness(problem, form, loop, path)
     if witness is not None:
         return _result(name, math.inf, witness, math.inf, tolerance, 0)
+    if form.figure == COMPLIANCE and _open(form):
+        return _result(name, math.inf, None, math.inf, tolerance, 0)
     if _no_loop(form):
         value = 2.0 if figure == "disk_margin" else form.share_s
         return Bound(loop, path, figure, value, None, value, closed=True, boxes=0)
@@ -81,14 +100,21 @@ def bound(
         if witness is not None:
             return _result(name, math.inf, witness, math.inf, tolerance, proof.boxes)
     found = _result(name, attained, at, proved, tolerance, proof.boxes)
+    if form.figure == COMPLIANCE:
+        scale = scale_of(form)
+        found = replace(found, attained=scale * attained, bound=scale * proved * (1 + 1e-15))
     return found if known else replace(found, closed=False)
 
 
 def _no_loop(form: Form) -> bool:
     """Return whether there is no position loop: then S = 1, T = 0 and Eq. 21's ratio is 0."""
-    gains = form.gains
     position = form.figure == EQUATION_21 or (form.figure == MIXTURE and form.loop == POSITION)
-    return position and gains.k_p_pos == 0 and gains.k_i_pos == 0
+    return position and _open(form)
+
+
+def _open(form: Form) -> bool:
+    """Return whether the position is not fed back: the least load then moves it without end."""
+    return form.gains.k_p_pos == 0 and form.gains.k_i_pos == 0
 
 
 def _corner_witness(
@@ -103,7 +129,7 @@ def _corner_witness(
     if form.figure == EQUATION_17:
         return None, True
     witness, some_stable = corner_verdict(problem, path, _asked(form, loop))
-    if form.figure == MIXTURE:
+    if form.figure in {MIXTURE, COMPLIANCE}:
         return witness, some_stable
     return witness if some_stable else None, True
 

@@ -12,7 +12,7 @@ import numpy as np
 
 from mptune.arrays import Complex, FloatArray, Real, kernel
 from mptune.certify.enclosure import DELAY, OMEGA, PHASE, RATIO, SIDES, TAU_A, TAU_B
-from mptune.certify.form import EQUATION_17, MIXTURE, Form
+from mptune.certify.form import COMPLIANCE, EQUATION_17, MIXTURE, Form
 from mptune.loops.broken import SAMPLED, loop_around, position_loop, velocity_loop
 from mptune.loops.position import position_error
 from mptune.loops.sampled import coefficient_count, sampled_loop, sampled_plant
@@ -81,10 +81,13 @@ def allowed_at(curve: FloatArray, omega: float) -> Real:
 @kernel
 def figure_at(form: Form, curve: FloatArray, point: FloatArray) -> Real:
     """Return the figure at a point ``(SIDES,)`` of a box's coordinates."""
+    omega = max(point[OMEGA], _LOWEST)
     if form.figure == MIXTURE:
         gain = gain_at(form, point)
         return abs((form.share_s + form.share_t * gain) / (1 + gain))
-    omega = max(point[OMEGA], _LOWEST)
+    if form.figure == COMPLIANCE:
+        turn = omega * form.nominal.mass / form.gains.k_p_vel  # |P|
+        return point[RATIO] / (turn * turn * abs(1 + gain_at(form, point)))
     return _ratio(form, complex(0.0, omega), point) / allowed_at(curve, omega)
 
 

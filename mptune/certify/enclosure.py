@@ -6,7 +6,8 @@ a denominator that does not vanish is implied. The coordinates of a box are, in 
 where a phase margin is asked for. With Ŷ = μH + E, H = Σ_k z_k G_F(jω_k) e^{−j(ω_k − ω)d}, Eq. 11
 as G_F = a/(1 + jωτ_A) + (1 − a)/(1 + jωτ_B) and a = A_A/(A_A + A_B), and E such a sum of its own
 where a state estimator hears the force, whose mass it does not know, Y = Ŷ e^{−j(ωd + φ)}: |Y|
-knows nothing of the main phase, which therefore stands with β alone.
+knows nothing of the main phase, which therefore stands with β alone. A compliance's numerator is
+μn_0: its δ holds μ²|n_0|².
 """
 
 from __future__ import annotations
@@ -158,6 +159,28 @@ def _sum(a: PlantDiscs, b: PlantDiscs) -> PlantDiscs:
 
 
 @kernel
+def _swing_of_slope(top: Dual, num: float, ratio: float, half: float) -> Real:
+    """Return how far num·2μ|n_0|² may be from its value at the centre."""
+    size, wide = num * top.value.real, num * (top.spread + top.error)
+    return 2 * half * (size + wide) + 2 * ratio * wide + 8 * ROUND * ratio * size
+
+
+@kernel
+def _swung(delta: Dual, top: Dual, num: float, ratio: float, half: float) -> Dual:
+    """Return δ, which holds num·μ²|n_0|² at the centre's μ, with what a box's other μ add to it."""
+    size, swing = num * top.value.real, (2 * ratio + half) * half
+    wide, slope = num * (top.spread + top.error), num * (modulus(top.slope) + top.slope_spread)
+    rounding = 4 * ROUND * ratio * ratio
+    return Dual(
+        delta.value,
+        widened(delta.error + rounding * size),
+        widened(delta.spread + swing * (size + wide) + rounding * size),
+        delta.slope,
+        widened(delta.slope_spread + swing * slope + rounding * slope),
+    )
+
+
+@kernel
 def enclose(
     plant: PlantDiscs,
     row: FloatArray,
@@ -168,6 +191,7 @@ def enclose(
     half: FloatArray,
     slopes: FloatArray,
     spreads: FloatArray,
+    power: int,
 ) -> Enclosed:
     """Enclose num·|n|² − den·|d|² over a box, and its gradient.
 
@@ -183,10 +207,13 @@ def enclose(
         ``(SIDES,)`` the box.
     slopes, spreads
         ``(SIDES,)``, filled with the gradient: within ``spreads`` of ``slopes`` over the box.
+    power
+        The power of μ by which |n|² is to be multiplied: 0 or 2.
     """
-    omega, delay = centre[OMEGA], centre[DELAY]
+    omega, ratio, delay = centre[OMEGA], centre[RATIO], centre[DELAY]
     alpha = _weighed(row, terms + ALPHA_N, terms + ALPHA_D, num, den)
-    delta = _weighed(row, terms + DELTA_N, terms + DELTA_D, num, den)
+    mass = ratio**power  # of the numerator
+    delta = _weighed(row, terms + DELTA_N, terms + DELTA_D, num * mass, den)
     both = _weighed(row, terms + BETA_N, terms + BETA_D, num, den)
     reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
     turn = turning_disc(omega * delay + centre[PHASE], widened(reach))
@@ -209,6 +236,11 @@ def enclose(
     ahead = twice_real(lagging(turned), 1.0, 0.0)
     slopes[PHASE], spreads[PHASE] = ahead
     slopes[RATIO], spreads[RATIO] = twice_real(product(force, plant.by_ratio), 1.0, 0.0)
+    if power:
+        top = stored(row, terms + DELTA_N)
+        slopes[RATIO] += 2 * ratio * num * top.value.real
+        spreads[RATIO] += _swing_of_slope(top, num, ratio, half[RATIO])
+        delta = _swung(delta, top, num, ratio, half[RATIO])
     tau_a = twice_real(product(force, plant.by_tau_a), 1.0, 0.0)
     tau_b = twice_real(product(force, plant.by_tau_b), 1.0, 0.0)
     late = twice_real(product(force, plant.by_delay), 1.0, 0.0)

@@ -71,6 +71,7 @@ def envelope(
     budget
         Boxes per interval.
     """
+    problem = problem.along(path)
     form, curve = form_of(problem, loop, path, figure), curve_of(allowed)
     rows = []
     for low, high in pairwise(omega):

@@ -14,11 +14,15 @@ Eq. 21             PW Qh (ṽ − e_0)          (PW + hDṽ) (Qh e_0 + s²R (PW 
 velocity loop      S: PW, T: hDṽ            S + T
 loop at F_ref      S: s²R PW, T: the rest   s²R PW + ṽh (s²RD + Q) = S + T
 position loop      S: s²R (PW + hDṽ)        that of the loop at F_ref = S + T
+compliance         μ s²R PW/P²              that of the loop at F_ref
 =================  =======================  =================================================
 
 e_0 = e^{−jωd_N}. As S + T = 1, a peak of S, of T or of (S − T)/2 is one mixture of both. All
 coefficients are analytic at ω = 0, and the denominators do not vanish there: where K_I = 0, or
 K_P,pos = 0 as well, Q and s²R are divided by the s, or by the s²R, that they then share.
+
+The compliance, |S|/(mω²) without its unit, is the only figure whose numerator knows the mass: its
+μ is not a row's but the search's. That numerator is sRW K_P,vel/m_N, no pole at ω = 0.
 
 The search asks for the sign of |n|² − γ²|d|² = α|Y|² + 2 Re(βY) + δ, so that what is kept of a
 figure per interval of ω (a ``row``) is α, β and δ of numerator and denominator.
@@ -46,7 +50,7 @@ from mptune.certify.balls import (
     widened,
 )
 from mptune.certify.estimated import continuous_pair, sampled_pairs
-from mptune.certify.form import EQUATION_17, MIXTURE, Form
+from mptune.certify.form import COMPLIANCE, EQUATION_17, MIXTURE, Form
 from mptune.certify.rows import (
     ALPHA_D,
     ALPHA_N,
@@ -103,11 +107,16 @@ def coefficients(
             sampled_terms(form, shifts, first, law, omega, half, row)
         open_loop = times(_integrated(form, omega, half), first)
         parts = _mixture(form, open_loop, constant(0.0), constant(1.0))
+        if form.figure == COMPLIANCE:
+            parts = _Parts(_softened(form, omega, half), parts.n1, parts.d0, parts.d1)
     elif form.path.estimator_mass > 0:
         first, law = _shape(form, omega, half)
         below = continuous_pair(form, len(shifts), first, law, omega, half, row)
         open_loop = times(times(_integrated(form, omega, half), first), below)
         parts = _mixture(form, open_loop, constant(0.0), constant(1.0))
+        if form.figure == COMPLIANCE:
+            soft = times(_softened(form, omega, half), below)
+            parts = _Parts(soft, parts.n1, parts.d0, parts.d1)
     else:
         store(row, len(shifts) - 1, constant(1.0))
         parts = _continuous(form, omega, half)
@@ -166,6 +175,21 @@ def _shape(form: Form, omega: float, half: float) -> tuple[Dual, Dual]:
 
 
 @kernel
+def _softened(form: Form, omega: float, half: float) -> Dual:
+    """Return s²R P/P², the path left out, over what s²R and Q share; under Tustin as it runs."""
+    rate, tau = form.gains.k_p_vel / form.nominal.mass, form.gains.tau
+    if form.loop == SAMPLED:
+        turn = turning(omega, half, form.period)
+        change = scaled(plus(constant(1.0), scaled(turn, -1.0)), 1 / form.period)  # (1 − w)/T_S
+        lag = plus(scaled(change, 2 * tau), plus(constant(1.0), turn))
+        lags = scaled(times(lag, lag), rate)
+        return lags if form.gains.k_i_pos == 0 else times(lags, change)
+    if form.gains.k_i_pos == 0:
+        return scaled(polynomial(omega, half, 1.0, 2 * tau, tau * tau, 0.0, 0.0, 0.0), rate)
+    return scaled(polynomial(omega, half, 0.0, 1.0, 2 * tau, tau * tau, 0.0, 0.0), rate)
+
+
+@kernel
 def _continuous(form: Form, omega: float, half: float) -> _Parts:
     """Return the parts of every figure but those of the loop as it runs."""
     first, law = _shape(form, omega, half)
@@ -182,8 +206,16 @@ def _continuous(form: Form, omega: float, half: float) -> _Parts:
     s0, s1 = times(first, plant), times(first, speed)
     if form.figure == MIXTURE and form.loop == POSITION:
         return _mixture(form, s0, s1, law)
-    if form.figure == MIXTURE:
-        return _mixture(form, s0, constant(0.0), plus(s1, law))
+    if form.figure in (MIXTURE, COMPLIANCE):
+        parts = _mixture(form, s0, constant(0.0), plus(s1, law))
+        if form.figure == COMPLIANCE:
+            soft = _softened(form, omega, half)
+            if form.path.sample_time > 0:
+                lag = plus(constant(1.0), scaled(turning(omega, half, form.path.sample_time),
+                                                 -form.path.filter_pole))  # fmt: skip
+                soft = times(soft, lag)  # W
+            parts = _Parts(soft, parts.n1, parts.d0, parts.d1)
+        return parts
     nominal = turning(omega, half, form.nominal.delay)
     if form.figure == EQUATION_17:
         closed = times(nominal, speed)

@@ -13,13 +13,14 @@ if TYPE_CHECKING:
     from mptune.certify.problem import BoxedLoop
     from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant
 
-EQUATION_17, EQUATION_21, MIXTURE = 0, 1, 2
+EQUATION_17, EQUATION_21, MIXTURE, COMPLIANCE = 0, 1, 2, 3
 
 Curve = tuple[tuple[float, float], ...]
 """Pairs of frequency [rad/s] and largest allowed ratio, frequencies rising."""
 
 LOOPS = {"velocity": VELOCITY, "position": POSITION, "force_reference": FORCE}
 EQUATIONS = {"equation_17": (EQUATION_17, VELOCITY), "equation_21": (EQUATION_21, POSITION)}
+PEAK_COMPLIANCE = "peak_compliance"
 SHARES = {  # of S and of T
     "sensitivity_peak": (1.0, 0.0),
     "complementary_peak": (0.0, 1.0),
@@ -30,8 +31,8 @@ SHARES = {  # of S and of T
 class Form(NamedTuple):
     """A figure of one loop, as kernels take it: all that does not vary over the box."""
 
-    figure: int  # EQUATION_17, EQUATION_21 or MIXTURE
-    loop: int  # of a mixture: VELOCITY, POSITION, FORCE or SAMPLED
+    figure: int  # EQUATION_17, EQUATION_21, MIXTURE or COMPLIANCE
+    loop: int  # of a mixture: VELOCITY, POSITION, FORCE or SAMPLED; of a compliance, the latter two
     share_s: float  # the mixture's part of S
     share_t: float  # and of T
     gains: LoopGains
@@ -55,6 +56,10 @@ def form_of(problem: BoxedLoop, loop: str, path: str, figure: str) -> Form:
         if which != belongs or path == "sampled":
             raise ValueError(f"{figure} is no figure of the {loop} loop with path {path!r}")
         shares = (0.0, 0.0)
+    elif figure == PEAK_COMPLIANCE:
+        if which != FORCE:
+            raise ValueError(f"a compliance is the whole loop's, not the {loop} loop's")
+        kind, shares = COMPLIANCE, (0.0, 0.0)
     else:
         kind, shares = MIXTURE, SHARES[figure]
     if path not in {"none", "sampled", problem.measured} or (
@@ -77,6 +82,16 @@ def form_of(problem: BoxedLoop, loop: str, path: str, figure: str) -> Form:
         problem.share_a,
         problem.period,
     )
+
+
+def scale_of(form: Form) -> float:
+    """Return what a figure is to be multiplied by: a compliance is searched as |S|μ/|P|².
+
+    With P = s m_N/K_P,vel that is |S|/(mω²) times K_P,vel²/m_N, whose inverse this is [m/N].
+    """
+    if form.figure != COMPLIANCE:
+        return 1.0
+    return form.nominal.mass / form.gains.k_p_vel**2
 
 
 def curve_of(allowed: float | Curve) -> FloatArray:

@@ -76,6 +76,7 @@ def margin(
     Bracket
         Guaranteed and attained margin; 0 to 0 where the box holds an unstable plant.
     """
+    problem = problem.along(path)
     whole = box_stability(problem, path, budget=budget)
     if whole.status is not Stability.STABLE:
         unstable = whole.status is Stability.UNSTABLE

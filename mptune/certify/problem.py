@@ -131,6 +131,9 @@ class BoxedLoop:
         A_A/(A_A + A_B).
     period
         T_S [s], a whole number of the filters' sample times.
+    explicit
+        The plants that the paths ``"filters"`` and ``"sampled"`` are judged with, where their
+        delays are others; None where it is the box.
     """
 
     box: PlantBox
@@ -138,18 +141,30 @@ class BoxedLoop:
     filters: MeasurementPath
     share_a: float
     period: float
+    explicit: PlantBox | None = None
 
     @classmethod
     def of(cls, study: ResolvedStudy, gains: Gains | None = None) -> BoxedLoop:
         """Return the study's problem, with other gains where they are given."""
         controller = study.study.controller
+        box, explicit = (
+            PlantBox(pack_nominal(study, explicit=own), *ranges_of(study, explicit=own))
+            for own in (False, True)
+        )
         return cls(
-            PlantBox(pack_nominal(study), *ranges_of(study)),
+            box,
             pack_gains(gains or study.study.gains),
             pack_measured(study),
             study.study.cylinder.share_a,
             controller.sampling_period,
+            None if explicit == box else explicit,
         )
+
+    def along(self, path: str) -> BoxedLoop:
+        """Return the loop whose box is that of a measurement path."""
+        if path == "none" or self.explicit is None:
+            return self
+        return replace(self, box=self.explicit, explicit=None)
 
     def path(self, name: str) -> MeasurementPath:
         """Return the measurement path of that name."""
@@ -163,7 +178,8 @@ class BoxedLoop:
     @property
     def holds_sampled(self) -> bool:
         """Whether half a sampling period, the hold's, fits into every delay."""
-        return self.box.delay[0] >= self.period / 2 and self.filters.sample_time > 0
+        box = self.along("sampled").box
+        return box.delay[0] >= self.period / 2 and self.filters.sample_time > 0
 
 
 def edges_of(problem: BoxedLoop, omega: Interval, phase: float = 0.0) -> FloatArray:

@@ -8,6 +8,7 @@ import numpy as np
 
 from mptune.certify.enclosure import OMEGA, RATIO, SIDES
 from mptune.certify.folded import NOTHING, LeftOut
+from mptune.certify.form import COMPLIANCE
 from mptune.certify.sampled import left_out, offset_of, remainder, shifts_of, truncated_bound
 from mptune.certify.search import OPEN, PROVED, Rest, search
 from mptune.loops.broken import SAMPLED
@@ -47,8 +48,15 @@ def _left_out(form: Form, ratio: float, terms: int, end: float) -> tuple[float, 
 class _Part:
     """A list of boxes that ends at one frequency, and what a truncated loop leaves out up to it."""
 
-    def __init__(self, boxes: FloatArray, left_out: float, by_lags: LeftOut = NOTHING) -> None:
+    def __init__(
+        self,
+        boxes: FloatArray,
+        left_out: float,
+        by_lags: LeftOut = NOTHING,
+        weight: float = 1.0,
+    ) -> None:
         self.left, self.left_out, self.by_lags = len(boxes), left_out, by_lags
+        self.weight = weight
         self.lows, self.highs = np.empty((2, self.left + _ROOM, SIDES))
         self.lows[: self.left], self.highs[: self.left] = boxes[:, 0], boxes[:, 1]
 
@@ -87,9 +95,14 @@ class Proof:
             self._shifts = shifts_of(form, terms)
             ratio = float(edges[1, RATIO])
             ends = [float(box[1, OMEGA]) for box in boxes]
+            time = form.nominal.mass / form.gains.k_p_vel
             self._parts = [
-                _Part(boxes[i : i + 1], left[0], left[1])
-                for i, left in enumerate(_left_out(form, ratio, terms, end) for end in ends)
+                _Part(
+                    boxes[i : i + 1],
+                    *_left_out(form, ratio, terms, ends[i]),
+                    float(edges[0, RATIO]) / (ends[i] * time) ** 2,  # the least μ/|P|²
+                )
+                for i in range(len(ends))
             ]
 
     def run(self, bound: float, budget: int) -> int:
@@ -98,7 +111,7 @@ class Proof:
         for part in self._parts:
             sought = bound
             if part.left_out > 0:
-                sought = truncated_bound(self.form, bound, part.left_out)
+                sought = truncated_bound(self.form, bound, part.left_out, part.weight)
                 if sought <= 0:
                     return OPEN
             status = self._search(part, sought, budget)
@@ -118,7 +131,8 @@ class Proof:
     def _search(self, part: _Part, sought: float, budget: int) -> int:
         """Search one part for the figure above ``sought``; for zeros of 1 + L where that is 0."""
         num, den = (1.0, sought * sought) if sought > 0 else (part.left_out**2, 1.0)
-        rest = Rest(*part.by_lags, offset_of(self.form), float(sought))
+        weight = part.weight if self.form.figure == COMPLIANCE else 0.0
+        rest = Rest(*part.by_lags, offset_of(self.form), float(sought), weight)
         if part.left == 0:
             return PROVED
         found = search(

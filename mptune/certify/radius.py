@@ -67,6 +67,7 @@ def radius(
         raise ValueError("some delay is below T_S/2: as it runs, no hold fits into it")
     floor = problem.period / 2 if until == "sampled" else 0.0
     equation = until.startswith("equation")
+    problem = problem.along(path if equation else until)
     if not equation and not _nominal_stable(problem, until, floor):
         return Bracket(0.0, 0.0, None, closed=True, boxes=0)
 

@@ -21,7 +21,13 @@ taps and by the distance to the nearest multiple of the fast rate; with Ω = (2/
 
 A remainder δ moves S by δ|S||S_true|, and T and (S − T)/2, which differ from S by a constant, by as
 much. A bound γ of the loop itself therefore follows from γ − δ(γ + c)² of the truncated one, c
-being 0 for S, 1 for T and 1/2 for (S − T)/2, as |S| ≤ 1 + |T| and |S| ≤ 1/2 + |S − T|/2.
+being 0 for S, 1 for T and 1/2 for (S − T)/2, as |S| ≤ 1 + |T| and |S| ≤ 1/2 + |S − T|/2. For the
+compliance, whose weight w = μ/|P|² does not know L, w/|1 + L| ≤ γ follows from |1 + L'| ≥ w/γ + δ
+of the truncated one, that is from w/|1 + L'| ≤ γ/(1 + δγ/w).
+
+What a load does to the position at its own frequency is (1 + L − L_0)S/(mω²), L_0 being the sum's
+term k = 0: the compliance stands for it within |L − L_0|, less than 1e-3 where it has its peak; at
+the shifted frequencies it does less still.
 """
 
 from __future__ import annotations
@@ -33,6 +39,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.certify.folded import LeftOut, left_out_of, unfolded_shifts
+from mptune.certify.form import COMPLIANCE
 from mptune.loops.broken import SAMPLED
 
 if TYPE_CHECKING:
@@ -139,11 +146,13 @@ def _filter_bound(path: MeasurementPath, low: float, high: float) -> float:
     return (1 - pole) / math.sqrt(max(1 + pole * pole - 2 * pole * cosine, (1 - pole) ** 2))
 
 
-def truncated_bound(form: Form, bound: float, left_out: float) -> float:
+def truncated_bound(form: Form, bound: float, left_out: float, weight: float) -> float:
     """Return the bound of the truncated loop's figure from which that of the loop follows.
 
-    Not positive where there is none.
+    Not positive where there is none. ``weight`` is the least μ/|P|², of a compliance.
     """
+    if form.figure == COMPLIANCE:
+        return bound / (1 + _CARE * left_out * bound / weight)
     return bound - _CARE * left_out * (bound + offset_of(form)) ** 2
 
 

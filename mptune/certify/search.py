@@ -20,6 +20,7 @@ from mptune.certify.balls import ROUND
 from mptune.certify.climb import figure_at
 from mptune.certify.enclosure import (
     OMEGA,
+    RATIO,
     SIDES,
     TAU_A,
     TAU_B,
@@ -30,6 +31,7 @@ from mptune.certify.enclosure import (
     plant_over,
 )
 from mptune.certify.figures import coefficients
+from mptune.certify.form import COMPLIANCE
 from mptune.certify.rows import DELTA_N, row_length, stored
 
 if TYPE_CHECKING:
@@ -60,9 +62,10 @@ class Rest(NamedTuple):
     rate: float  # s; 0 where nothing depends on the box
     offset: float  # c, of ``mptune.certify.sampled``
     sought: float  # the bound that is to be proved; 0 where only zeros of d are asked for
+    weight: float  # the least μ/|P|² of a compliance; 0 of other figures
 
 
-NO_REST = Rest(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
+NO_REST = Rest(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @kernel
@@ -98,7 +101,7 @@ def search(
     point
         ``(SIDES,)``, filled: where the figure is ABOVE, or where the search ended.
     """
-    terms = len(shifts)
+    terms, power = len(shifts), 2 if form.figure == COMPLIANCE else 0
     # A box at place p uses the coefficients in a slot ≤ p, so that the last one may fill its own.
     slots = np.empty(len(lows), np.int64)
     for i in range(count):
@@ -122,9 +125,10 @@ def search(
         top, bottom = num, den
         if rest.rate > 0:
             top, bottom = _weights(rest, form.share_a, low)
-        f = enclose(plant, row, terms, top, bottom, centre, half, slopes, spreads)
+        f = enclose(plant, row, terms, top, bottom, centre, half, slopes, spreads, power)
+        weight = (centre[RATIO] + half[RATIO]) ** power
         if _highest(f, slopes, spreads, half) < 0 or _clear(
-            plant, row, terms, top, bottom, centre, half
+            plant, row, terms, weight * top, bottom, centre, half
         ):
             slots[last] = -1
             count -= 1
@@ -149,7 +153,8 @@ def _weights(rest: Rest, share_a: float, low: FloatArray) -> tuple[float, float]
     """Return the weights of n and d with what the loop leaves out over a box counted in.
 
     With δ left out, X = x S + y T is below γ if |X_t| + δ(|y| + γ)|S_t| ≤ γ for the truncated loop,
-    and |S_t| ≤ |y| + |X_t| in all three mixtures.
+    and |S_t| ≤ |y| + |X_t| in all three mixtures. A compliance is below γ if that of the truncated
+    loop is below γ/(1 + δγ/w), w being its least weight (``mptune.certify.sampled``).
     """
     shortest = min(low[TAU_A], low[TAU_B])
     if shortest <= 0:
@@ -158,6 +163,9 @@ def _weights(rest: Rest, share_a: float, low: FloatArray) -> tuple[float, float]
     left = rest.fixed + min(rest.near, fall * rest.near_rate) + fall * rest.rate
     if rest.sought == 0:
         return left * left * _CARE, 1.0
+    if rest.weight > 0:
+        sought = rest.sought / (1 + _FOLDED_CARE * left * rest.sought / rest.weight)
+        return 1.0, sought * sought
     reach = _FOLDED_CARE * left * (rest.offset + rest.sought)
     sought = (rest.sought - reach * rest.offset) / (1 + reach)
     return 1.0, sought * sought if sought > 0 else 0.0

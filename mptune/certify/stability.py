@@ -75,6 +75,7 @@ def box_stability(
     budget
         Boxes to try at most.
     """
+    problem = problem.along(path)
     loop = loop if loop == "velocity" else "force_reference"
     corners, known = corner_verdict(problem, path, loop)
     if corners is not None or not known:

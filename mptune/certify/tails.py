@@ -7,6 +7,7 @@ l_F = l(1 + C/ω) and q = C/(ω(p − 1)), all falling with ω wherever p > 1::
     velocity loop   S ≤ 1/(1 − l)           T ≤ l/(1 − l)
     F_ref           S ≤ 1/(1 − l_F)         T ≤ l_F/(1 − l_F)
     position loop   S ≤ (1 + l)/(1 − l_F)   T ≤ (l C/ω)/(1 − l_F)
+    compliance      ≤ μ_max/p² · 1/(1 − l_F)
 
 and |S − T|/2 ≤ (S + T)/2. They hold with and without a measurement path, whose responses are at
 most 1 in modulus, as |G_F| is. The loop as it runs has no tail: it
@@ -19,7 +20,7 @@ from __future__ import annotations
 import math
 from typing import TYPE_CHECKING
 
-from mptune.certify.form import EQUATION_17, EQUATION_21
+from mptune.certify.form import COMPLIANCE, EQUATION_17, EQUATION_21
 from mptune.loops.broken import POSITION, VELOCITY
 from mptune.loops.estimated import falling_bound, half_rate
 
@@ -73,6 +74,8 @@ def tail_bound(form: Form, ratio: float, omega: float) -> float:
         if nominal >= 1:
             return float("inf")
         return _CARE * (1 + ratio) / (1 - loop) * nominal / (1 - nominal)
+    if form.figure == COMPLIANCE:
+        return _CARE * ratio / turn**2 / (1 - whole) if whole < 1 else float("inf")
     return _mixture_bound(form, loop, law, whole)
 
 
@@ -83,11 +86,18 @@ def _estimated_start(form: Form, ratio: float, level: float) -> float:
     for _ in range(_STEPS):
         middle = math.sqrt(low * high)
         whole = falling_bound(middle, mass, form.gains, form.path)
-        if math.isfinite(whole) and _mixture_bound(form, whole, 0.0, whole) <= level:
+        if math.isfinite(whole) and _estimated_bound(form, ratio, middle, whole) <= level:
             high = middle
         else:
             low = middle
     return high
+
+
+def _estimated_bound(form: Form, ratio: float, omega: float, whole: float) -> float:
+    if form.figure == COMPLIANCE:
+        turn = omega * form.nominal.mass / form.gains.k_p_vel  # p
+        return _CARE * ratio / turn**2 / (1 - whole) if whole < 1 else float("inf")
+    return _mixture_bound(form, whole, 0.0, whole)
 
 
 def _mixture_bound(form: Form, loop: float, law: float, whole: float) -> float:

@@ -59,8 +59,8 @@ def campaign(
 ) -> None:
     """Simulate many machines; conclude distributions, worst cases and guarantees."""
     from mptune.cli.show_campaign import needed
+    from mptune.cli.study import load_study
     from mptune.job.campaign import planned
-    from mptune.params.load import load_study
 
     _check_one_task({"--replay": replay, "--worst": worst or None, "--runs-for": runs_for})
     if runs_for is not None:
@@ -101,12 +101,13 @@ def _worst(
     plan: Plan, figure: str, out: Path, team: dict[str, Any], *, json: bool, quiet: bool
 ) -> NoReturn:
     from mptune.cli import show, show_campaign
+    from mptune.cli.study import with_warnings
     from mptune.job.campaign import worst_machine
 
     with show.progress(quiet=quiet) as report:
         found, files = worst_machine(plan, figure, out, report, **team)
     if json:
-        show.as_json(found.json())
+        show.as_json(with_warnings(found.json(), plan.study))
     else:
         show_campaign.worst(found)
         show.files(files)
@@ -117,6 +118,7 @@ def _campaign(
     plan: Plan, out: Path, team: dict[str, Any], *, resume: bool, json: bool, quiet: bool
 ) -> NoReturn:
     from mptune.cli import show, show_campaign
+    from mptune.cli.study import with_warnings
     from mptune.job.campaign import campaign_study
 
     try:
@@ -126,7 +128,7 @@ def _campaign(
         sys.stderr.write("mptune: finished chunks are kept; go on with --resume\n")
         raise
     if json:
-        show.as_json(result.json())
+        show.as_json(with_warnings(result.json(), plan.study))
     else:
         show_campaign.campaign(result)
         show.files(files)

@@ -26,7 +26,7 @@ def compare(
 ) -> None:
     """Compare two or more gains files or studies in one table and one figure."""
     from mptune.cli import show
-    from mptune.cli.show_compare import compared
+    from mptune.cli.show_compare import compared, told
     from mptune.job.compare import compare as compare_job
 
     with show.progress(quiet=quiet) as report:
@@ -37,6 +37,7 @@ def compare(
         values = {"compared": [one.json() for one in found], "files": [str(path) for path in files]}
         show.as_json(values)
     else:
+        told(found)
         compared(found)
         show.files(files)
-    finish(met=True)
+    finish(met=all(one.judgement.met for one in found))

@@ -7,13 +7,16 @@ from typing import Annotated
 
 import typer
 
-from mptune.cli.options import OUT, JsonOption, OutOption, QuietOption, SetOption, finish
+from mptune.cli.options import OUT, JsonOption, OutOption, QuietOption, SetOption, a_path, finish
 from mptune.export.formats import Precision, Target
 
-GainsArgument = Annotated[Path, typer.Argument(metavar="GAINS", help="The gains file.")]
+GainsArgument = Annotated[
+    Path, typer.Argument(parser=a_path, metavar="GAINS", help="The gains file.")
+]
 StudyOption = Annotated[
     Path | None,
     typer.Option(
+        parser=a_path,
         metavar="FILE",
         help="The study that the gains were made for; else studies/NAME/study.toml, beside "
         "the gains, here or above.",

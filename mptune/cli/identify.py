@@ -75,9 +75,9 @@ def identify(
         reading = _reading(data, channels, settings, band, held)
         _measured(study, reading, list(override or ()), uncertainty, out, json, quiet)
     from mptune.cli import show, show_identify
+    from mptune.cli.study import load_study, with_warnings
     from mptune.identify.excitation import excitation_named
     from mptune.job.identify import identify_study
-    from mptune.params.load import load_study
 
     shape = excitation_named(excitation)
     overrides = list(override or ())
@@ -87,7 +87,7 @@ def identify(
     with show.progress(quiet=quiet) as report:
         result, files = identify_study(loaded, shape, out, report)
     if json:
-        show.as_json(result.json())
+        show.as_json(with_warnings(result.json(), loaded))
     else:
         show_identify.identified(result)
         show.files(files)
@@ -154,14 +154,14 @@ def _measured(
 ) -> None:
     """Fit measured data and leave."""
     from mptune.cli import show, show_identify
+    from mptune.cli.study import load_study, with_warnings
     from mptune.job.measured import identify_data
-    from mptune.params.load import load_study
 
     loaded = load_study(study, overrides, uncertainty)
     with show.progress(quiet=quiet) as report:
         result, files = identify_data(loaded, reading, out, report)
     if json:
-        show.as_json(result.json())
+        show.as_json(with_warnings(result.json(), loaded))
     else:
         show_identify.measured(result)
         show.files(files)

@@ -1,13 +1,14 @@
 """The commands, and how their ends become exit statuses.
 
-0: done, every requirement met. 1: done, some requirement not met. 2: bad input or usage. 3: could
-not finish. 130: interrupted.
+0: done, and the verdict is *met*. 1: done, and it is another. 2: bad input or usage. 3: could not
+finish. 130: interrupted.
 
 Only typer is imported here, so that ``--help`` answers at once.
 """
 
 from __future__ import annotations
 
+import errno
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -28,11 +29,14 @@ from mptune.cli.options import (
     SetOption,
     StudyArgument,
     UncertaintyOption,
+    a_path,
     finish,
 )
 from mptune.cli.run import run
+from mptune.cli.streams import take_streams
 from mptune.cli.tune import tune
 from mptune.cli.weights import weights
+from mptune.escaping import printable
 
 BAD_INPUT, UNFINISHED, INTERRUPTED = 2, 3, 130
 
@@ -71,20 +75,29 @@ def sweep(
 ) -> None:
     """Draw and store both sides of both inequalities over the grid."""
     from mptune.cli import show
+    from mptune.cli.study import load_study, with_warnings
+    from mptune.job.gains import with_gains
     from mptune.job.sweep import sweep_study
-    from mptune.params.gains import read_gains
-    from mptune.params.load import load_study
+    from mptune.robust.headline import judge
 
-    loaded = load_study(study, override or (), uncertainty)
-    chosen = read_gains(gains, loaded.hash()).gains if gains else None
+    loaded, _, differs = with_gains(load_study(study, override or (), uncertainty), gains)
     with show.progress(quiet=quiet) as report:
-        result, links, files = sweep_study(loaded, chosen, out, report)
+        result, links, files = sweep_study(loaded, None, out, report)
+    judgement = judge(result.checks, links)
     if json:
-        show.as_json({**result.json(), "chain": [link.json() for link in links]})
+        values = {
+            **judgement.json(),
+            **result.json(),
+            "chain": [link.json() for link in links],
+            "differs": [one.json() for one in differs],
+        }
+        show.as_json(with_warnings(values, loaded))
     else:
+        show.headline(judgement)
+        show.elsewhere(differs)
         show.sweep(result, links)
         show.files(files)
-    finish(met=result.satisfied)
+    finish(met=judgement.met)
 
 
 @app.command()
@@ -100,18 +113,20 @@ def verify(
 ) -> None:
     """Prove gains on the nonlinear machine."""
     from mptune.cli import show
+    from mptune.cli.study import load_study, with_warnings
     from mptune.job.verify import verify_study
-    from mptune.params.load import load_study
 
     loaded = load_study(study, override or (), uncertainty)
     with show.progress(quiet=quiet) as report:
-        result, files = verify_study(loaded, gains, out, report, force=force)
+        result = verify_study(loaded, gains, out, report, force=force)
     if json:
-        show.as_json(result.json())
+        show.as_json(with_warnings(result.json(), loaded))
     else:
-        show.verified(result)
-        show.files(files)
-    finish(met=result.satisfied)
+        show.headline(result.judgement)
+        show.elsewhere(result.differs)
+        show.verified(result.verified)
+        show.files(result.files)
+    finish(met=result.judgement.met)
 
 
 app.command()(tune)
@@ -125,9 +140,9 @@ app.command()(compare)
 @app.command()
 def new(
     name: Annotated[str, typer.Argument(metavar="NAME", help="Name of the study's folder.")],
-    folder: Annotated[Path, typer.Option("--in", metavar="DIR", help="Where studies live.")] = Path(
-        "studies"
-    ),
+    folder: Annotated[
+        Path, typer.Option("--in", parser=a_path, metavar="DIR", help="Where studies live.")
+    ] = Path("studies"),
 ) -> None:
     """Write a study to start from."""
     from mptune.cli import show
@@ -146,7 +161,15 @@ def ledger() -> None:
 
 def main() -> None:
     """Run the command line and leave with its exit status."""
-    sys.exit(status(sys.argv[1:]))
+    out = take_streams()
+    code = status(sys.argv[1:])
+    sys.stdout.flush()
+    if out.failure is not None:
+        reason = out.failure.strerror or out.failure
+        rule = f"standard output could not be written ({reason}); what was to be printed is lost"
+        code = _say(f"{rule}; free some space or print elsewhere", UNFINISHED)
+    sys.stderr.flush()
+    sys.exit(code)
 
 
 def status(arguments: list[str]) -> int:
@@ -175,6 +198,10 @@ def _failed(error: Exception) -> int:
         return _say(str(error), BAD_INPUT)
     if isinstance(error, MptuneError):
         return _say(str(error), UNFINISHED)
+    if isinstance(error, OSError) and error.errno in {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}:
+        place = error.filename or "the folder for results or for temporary files"
+        text = f"{place}: {error.strerror}; nothing was left half-written; free some space"
+        return _say(text, UNFINISHED)
     import traceback
 
     where = traceback.extract_tb(error.__traceback__)[-1]
@@ -183,5 +210,5 @@ def _failed(error: Exception) -> int:
 
 
 def _say(text: str, code: int) -> int:
-    sys.stderr.write(f"mptune: {text}\n")
+    sys.stderr.write(f"mptune: {printable(text, keep=chr(10))}\n")
     return code

@@ -9,14 +9,36 @@ import typer
 
 _NOT_MET = 1
 
-StudyArgument = Annotated[Path, typer.Argument(metavar="STUDY", help="The study's TOML file.")]
+
+def a_path(text: str | Path) -> Path:
+    """Return the path that an option or argument names.
+
+    Raises
+    ------
+    InputError
+        If it is empty, which would mean the current folder.
+    """
+    if not str(text):
+        from mptune.errors import Fault, InputError
+
+        rule, remedy = "is empty where a path is needed", 'name it, or write "." for this folder'
+        raise InputError("command line", Fault("", "''", rule, remedy))
+    return Path(text)
+
+
+StudyArgument = Annotated[
+    Path, typer.Argument(parser=a_path, metavar="STUDY", help="The study's TOML file.")
+]
 SourcesArgument = Annotated[
-    list[Path], typer.Argument(metavar="A B …", help="Gains files and studies.")
+    list[Path], typer.Argument(parser=a_path, metavar="A B …", help="Gains files and studies.")
 ]
 StudyOption = Annotated[
     Path | None,
     typer.Option(
-        "--study", metavar="STUDY", help="Judge all on this study's model; else each on its own."
+        "--study",
+        parser=a_path,
+        metavar="STUDY",
+        help="Judge all on this study's model; else each on its own.",
     ),
 ]
 SetOption = Annotated[
@@ -27,7 +49,8 @@ UncertaintyOption = Annotated[
     str, typer.Option(metavar="NAME", help="Uncertainty set; the default one where not given.")
 ]
 GainsOption = Annotated[
-    Path | None, typer.Option(metavar="FILE", help="A gains file; else the study's own.")
+    Path | None,
+    typer.Option(parser=a_path, metavar="FILE", help="A gains file; else the study's own."),
 ]
 ForceOption = Annotated[
     bool, typer.Option("--force", help="Take gains whose margins are not satisfied.")
@@ -38,7 +61,7 @@ WorkersOption = Annotated[
 SchedulerOption = Annotated[
     str, typer.Option(metavar="ADDRESS", help="A Dask scheduler, like tcp://host:8786.")
 ]
-OutOption = Annotated[Path, typer.Option(metavar="DIR", help="Folder for results.")]
+OutOption = Annotated[Path, typer.Option(parser=a_path, metavar="DIR", help="Folder for results.")]
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
 
@@ -47,6 +70,7 @@ VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="All the de
 DataOption = Annotated[
     list[Path] | None,
     typer.Option(
+        parser=a_path,
         metavar="FILE",
         help="Measured: a record (CSV, MAT, MDF4), or a response (CSV) without --input; "
         "repeatable.",
@@ -57,5 +81,5 @@ OUT = Path("reports")
 
 
 def finish(*, met: bool) -> NoReturn:
-    """Leave with status 0 where every requirement is met, else 1."""
+    """Leave with status 0 where the verdict is *met*, else 1."""
     raise typer.Exit(0 if met else _NOT_MET)

@@ -16,24 +16,32 @@ from rich.progress import (
 from rich.progress import Progress as Bars
 
 from mptune.cli.interrupt import interruptible
-from mptune.cli.terminal import as_json, files, opening, show
+from mptune.cli.terminal import as_json, files, opening, say, show
 
 if TYPE_CHECKING:
-    from collections.abc import Callable, Iterator
+    from collections.abc import Callable, Iterator, Sequence
 
+    from mptune.params.judged_on import Difference
     from mptune.progress import Progress
     from mptune.robust.chain import Link
+    from mptune.robust.headline import Judgement
     from mptune.robust.result import SweepResult
     from mptune.verify.result import VerifyResult
 
-__all__ = ["as_json", "bars", "files", "ledger", "progress", "sweep", "verified"]
+__all__ = [
+    "as_json", "bars", "elsewhere", "files", "headline", "ledger", "progress", "sweep", "verified",
+]  # fmt: skip
+
+_ROOM_FOR_A_BAR = 80  # columns; on fewer the numbers beside it would be cut
 
 
 @contextmanager
 def bars(*columns: ProgressColumn, quiet: bool) -> Iterator[tuple[Callable[[], None], Bars]]:
     """Yield bars on stderr, and what to call now and then so that an interrupt gets through."""
-    first = SpinnerColumn(), TextColumn("{task.description}"), BarColumn()
     errors = Console(stderr=True)
+    spinner = SpinnerColumn("dots" if errors.encoding.startswith("utf") else "line")
+    bar = [BarColumn()] if errors.width >= _ROOM_FOR_A_BAR else []
+    first = spinner, TextColumn("{task.description}"), *bar
     with (
         interruptible() as check,
         Bars(*first, *columns, console=errors, transient=True, disable=quiet) as made,
@@ -60,6 +68,22 @@ def progress(*, quiet: bool) -> Iterator[Progress]:
         yield report
 
 
+def headline(judgement: Judgement) -> None:
+    """Print the verdict with its reason, which comes first wherever gains are judged."""
+    from mptune.report.blocks import verdict
+    from mptune.report.content.front import verdict_line
+
+    say(verdict(verdict_line(judgement), good=judgement.met))
+
+
+def elsewhere(found: Sequence[Difference]) -> None:
+    """Print in what a model differs from the one that gains were made for, if in anything."""
+    from mptune.report.content.front import differs
+
+    if found:
+        show(differs(found))
+
+
 def sweep(result: SweepResult, chain: tuple[Link, ...] = ()) -> None:
     """Print both conditions, the family's margins, the requirements, and the chain at F_ref."""
     from mptune.report.content.certificates import bounds, radii
@@ -77,9 +101,12 @@ def sweep(result: SweepResult, chain: tuple[Link, ...] = ()) -> None:
 
 def verified(result: VerifyResult) -> None:
     """Print each machine's figures and status."""
-    from mptune.report.content.closed_loop import machines
+    from mptune.report.content.closed_loop import busiest_valve, machines
+    from mptune.report.content.front import standing
 
+    opening([], standing(result.study))
     show(machines(result))
+    say(busiest_valve(result))
 
 
 def ledger() -> None:

@@ -62,6 +62,11 @@ def campaign(result: CampaignResult) -> None:
     show(Tabular(title, columns, [_distribution(result, figure) for figure in FIGURES]))
     for reason, count in result.reasons().items():
         say(f"failed: {count} of {result.plan.runs}, {reason}")
+    duty = 100 * result.plan.study.study.verification.duty
+    say(
+        f"The busiest valve of any run switches {number(result.busiest_per_year / 1e6)} million "
+        f"times a year at a duty of {duty:g} %."
+    )
     say(_guarantee(result))
     met = result.satisfied
     say(verdict("satisfied" if met else "violated", good=met))

@@ -4,9 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.cli.terminal import show
+from mptune.cli.terminal import say, show
 from mptune.loops.broken import FORCE
 from mptune.report.blocks import Cell, Row, Tabular, left, right, verdict
+from mptune.report.content.front import differs
+from mptune.report.content.loops import ratio_text
 from mptune.robust.tables import EQUATIONS
 from mptune.units import number, shown
 
@@ -17,10 +19,20 @@ if TYPE_CHECKING:
     from mptune.params.section import Section
 
 
+def told(found: tuple[Compared, ...]) -> None:
+    """Print the verdict on each set of gains, a line each."""
+    for one in found:
+        say(verdict(f"{one.label}: {one.judgement.line}", good=one.judgement.met))
+    say("")
+
+
 def compared(found: tuple[Compared, ...]) -> None:
     """Print gains, ratios, margins and indices side by side."""
     columns = [*left(""), *right(*(one.label for one in found))]
     show(Tabular("Gains compared", columns, list(_rows(found))))
+    for one in found:
+        if one.differs:
+            show(differs(one.differs, f"{one.label}: made for another model"))
 
 
 def _rows(found: tuple[Compared, ...]) -> Iterator[Row]:
@@ -32,7 +44,7 @@ def _rows(found: tuple[Compared, ...]) -> Iterator[Row]:
         conditions = [one.sweep.conditions[n] for one in found]
         yield [
             f"{name} left/right",
-            *(verdict(f"{one.worst_ratio:.4f}", good=one.satisfied) for one in conditions),
+            *(verdict(ratio_text(one), good=one.satisfied) for one in conditions),
         ]
     yield [
         "gain margin at F_ref, with path",
@@ -41,12 +53,17 @@ def _rows(found: tuple[Compared, ...]) -> Iterator[Row]:
     yield ["gain margin at F_ref, sampled", *(_margin(one, "sampled") for one in found)]
     yield ["noise gain [N/m]", *(number(one.sweep.noise_gain) for one in found)]
     for mass in sorted({mass for one in found for mass in one.index_ms}):
-        yield [f"linear index at {mass / 1e3:g} t [ms]", *(_index(one, mass) for one in found)]
-    for key in sorted({key for one in found for key in one.recorded if key[:6] != "linear"}):
+        yield [
+            f"linear-check index at {mass / 1e3:g} t [ms]",
+            *(_index(one, mass) for one in found),
+        ]
+    for key in sorted(
+        {key for one in found for key in one.recorded if not key.startswith("linear")}
+    ):
         recorded = (number(float(one.recorded.get(key, float("nan")))) for one in found)
         yield [f"recorded: {key}", *recorded]
-    met = [one.sweep.satisfied for one in found]
-    yield ["requirements", *(verdict("met" if ok else "not met", good=ok) for ok in met)]
+    judged = [one.judgement for one in found]
+    yield ["verdict", *(verdict(one.word.value, good=one.met) for one in judged)]
 
 
 def _quantities(found: list[Section], *, used: bool = False) -> Iterator[Row]:

@@ -16,6 +16,13 @@ if TYPE_CHECKING:
 def exported(result: ExportResult) -> None:
     """Print the gains as written, their requirements and the files."""
     controller = result.controller
+    line = f"Verdict: {controller.word}: {controller.reason}"
+    say(verdict(line, good=controller.trusted))
+    carried = controller.source
+    say(
+        f"The files carry: {controller.word}; margins {controller.verdict}; closed loop on the "
+        f"nonlinear machine {carried.closed_loop}. In the gains file: {carried.verdicts}."
+    )
     written, source = controller.margins.written.gains, controller.source.gains
     show(gains((written,), (source,), "In the gains file"), requirements(controller.margins.checks))
     if not result.files:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.cli.terminal import say, show
+from mptune.cli.terminal import say, show, verbatim
 from mptune.identify.fitted import Certainty
 from mptune.report.blocks import Row, Tabular, left, right, verdict
 from mptune.report.content.identification import agreement, counts
@@ -40,7 +40,7 @@ def measured(result: MeasuredResult) -> None:
     columns += left("Least known", "Verdict")
     show(Tabular("Eq. 11 with a dead time, fitted (95 % confidence)", columns, rows))
     say("For the study, in the place of its own [uncertainty]:")
-    say(result.section)
+    verbatim(result.section)
 
 
 def _interval(one: Interval) -> str:

@@ -5,10 +5,12 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.cli.terminal import files, opening, say, show
-from mptune.report.blocks import Tabular, verdict
+from mptune.params.headline import Headline
+from mptune.report.blocks import Tabular
 from mptune.report.content.closed_loop import machines, movement_sets
-from mptune.report.content.front import NOT_RUN, front_page, headline, tuning
-from mptune.report.content.loops import condition_text, factors_text, gain_factors
+from mptune.report.content.front import NOT_RUN, front_page, tuning, warnings
+from mptune.report.content.loops import factors_text, gain_factors
+from mptune.verify.before_after import in_a_sentence
 
 if TYPE_CHECKING:
     from mptune.job.result import JobResult
@@ -19,10 +21,16 @@ def summary(result: JobResult) -> None:
     from mptune.job.report import found_by
 
     page, tuned = front_page(found_by(result)), result.tuned
-    seen = [*map(condition_text, tuned.sweep.conditions), factors_text(result.chain)]
-    run = [] if result.verified else [NOT_RUN]
-    opening([*tuning(tuned), *seen, *run], page.warnings, good=tuned.blocking is None)
-    show(*(block.brief() for block in page.blocks if isinstance(block, Tabular)))
+    first, *gained = tuning(tuned)
+    run = in_a_sentence(result.changes) if result.verified else NOT_RUN
+    texts = [first, " ".join(gained), factors_text(result.chain), run]
+    judged = result.judgement  # the verdict's own line names the unstable plant
+    said = judged.word is Headline.ON_PAPER and judged.witness is not None
+    opening(texts, () if said else warnings(tuned.sweep), good=tuned.blocking is None)
+    tables = [block for block in page.blocks if isinstance(block, Tabular)]
+    if judged.met:  # the first line says that every requirement is
+        tables = [table for table in tables if table.title != "Requirements"]
+    show(*(table.brief() for table in tables))
     named = {".pdf": 0, ".html": 1, ".toml": 2}
     shown = [path for path in result.files if path.suffix in named]
     files(sorted(shown, key=lambda path: named[path.suffix]))
@@ -34,12 +42,8 @@ def details(result: JobResult) -> None:
     """Print what the whole job found beyond its tuning."""
     show(movement_sets(result.moves_before, result.moves))
     if result.verified:
+        say(in_a_sentence(result.changes))
         show(machines(result.verified))
     else:
         say(NOT_RUN, "")
     show(gain_factors(result.chain))
-
-
-def outcome(*, met: bool) -> None:
-    """Print the last line of a whole job."""
-    say(verdict(f"{headline(met=met)}.", good=met))

@@ -1,7 +1,8 @@
 """Prints the report's tables on a terminal, and JSON for programs.
 
 A table that is too wide for the terminal is printed as a list: one paragraph for each row, every
-value behind its heading, so that no number is ever broken over two lines.
+value behind its heading, so that no number is ever broken over two lines. What the stream's
+encoding cannot show is spelt out before anything is laid out.
 """
 
 from __future__ import annotations
@@ -9,6 +10,7 @@ from __future__ import annotations
 import json
 import re
 import sys
+from dataclasses import replace
 from typing import TYPE_CHECKING, Any
 
 from rich import box
@@ -17,6 +19,8 @@ from rich.console import Console
 from rich.table import Table
 from rich.text import Text
 
+from mptune.cli.spelling import spelt
+from mptune.escaping import printable
 from mptune.report.blocks import Cell, Tabular, verdict
 from mptune.strict import strict
 
@@ -31,8 +35,9 @@ _GAP = 2  # between columns
 _WORD = re.compile(r"\[.*?\]|\S+")  # a unit counts as one
 _STYLES = {"good": "green", "bad": "bold red", "strong": "bold"}
 
+_on_terminal = sys.stdout is not None and sys.stdout.isatty()
 console = Console(
-    width=None if sys.stdout.isatty() else _PIPE_WIDTH, markup=False, emoji=False, highlight=False
+    width=None if _on_terminal else _PIPE_WIDTH, markup=False, emoji=False, highlight=False
 )
 
 
@@ -44,6 +49,11 @@ def as_json(values: dict[str, Any]) -> None:
 def say(*parts: str | Cell) -> None:
     """Print a line, words with a look in it."""
     console.print(*(_text(part) for part in parts))
+
+
+def verbatim(text: str) -> None:
+    """Print a text of many lines with its lines as they are, for a file to take."""
+    console.print(_text(text), soft_wrap=True)
 
 
 def opening(texts: Sequence[str], warnings: Sequence[str] = (), *, good: bool = True) -> None:
@@ -61,7 +71,7 @@ def opening(texts: Sequence[str], warnings: Sequence[str] = (), *, good: bool = 
 def files(paths: Iterable[Path]) -> None:
     """Print what was written."""
     for path in paths:
-        console.print(Text(f"wrote {path}"), soft_wrap=True)
+        console.print(_text(printable(f"wrote {path}")), soft_wrap=True)
 
 
 def show(*blocks: Block, ruled: bool = False) -> None:
@@ -71,8 +81,9 @@ def show(*blocks: Block, ruled: bool = False) -> None:
     """
     for block in blocks:
         if isinstance(block, Tabular):
-            console.print(Text(block.title, "bold"))
-            console.print(_table(block.columns, [[*map(_text, row)] for row in block.rows], ruled))
+            columns = [replace(one, text=_spelt(one.text)) for one in block.columns]
+            console.print(Text(_spelt(block.title), "bold"))
+            console.print(_table(columns, [[*map(_text, row)] for row in block.rows], ruled))
             console.print()
 
 
@@ -114,11 +125,15 @@ def _list(columns: Sequence[Column], rows: list[list[Text]]) -> Table:
     made = Table.grid(padding=(0, 1, 0, 0))
     for row in rows:
         pairs = zip(headings, row, strict=True)
-        made.add_row("·", Text("; ").join(Text.assemble(*pair) for pair in pairs))
+        made.add_row(_spelt("·"), Text("; ").join(Text.assemble(*pair) for pair in pairs))
     return made
 
 
 def _text(cell: str | Cell) -> Text:
     if isinstance(cell, Cell):
-        return Text(cell.text, _STYLES.get(cell.look, ""))
-    return Text(cell)
+        return Text(_spelt(cell.text), _STYLES.get(cell.look, ""))
+    return Text(_spelt(cell))
+
+
+def _spelt(text: str) -> str:
+    return spelt(printable(text, keep="\n"), console.encoding)

@@ -39,14 +39,15 @@ def tune(
     """Find gains that satisfy the requirements."""
     from mptune.cli import show
     from mptune.cli.show_tune import whole_tuning
+    from mptune.cli.study import load_study, with_warnings
     from mptune.job.tune import tune_study
-    from mptune.params.load import load_study
 
     loaded = load_study(study, override or (), uncertainty)
     with show.progress(quiet=quiet) as report:
         result = tune_study(loaded, out, report, structure=structure, compare=compare, points=front)
     if json:
-        show.as_json(result.json())
+        show.as_json(with_warnings(result.json(), loaded))
     else:
+        show.headline(result.judgement)
         whole_tuning(result)
-    finish(met=result.tuned.sweep.satisfied)
+    finish(met=result.judgement.met)

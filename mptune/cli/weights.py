@@ -33,7 +33,9 @@ def weights(
     seed: Annotated[int, typer.Option(metavar="N", min=0, help="Seed of the search.")] = 1,
     also: Annotated[
         list[str] | None,
-        typer.Option(metavar="NAME", help="Search sampling_period or tolerances too; repeatable."),
+        typer.Option(
+            metavar="NAME", help="Search sampling_period, tolerances, common_mode too; repeatable."
+        ),
     ] = None,
     storage: Annotated[
         str, typer.Option(metavar="ADDRESS", help="Optuna's database; else weights.db in --out.")
@@ -49,8 +51,8 @@ def weights(
     """Search the force controller's weights: the order of §5.4, then beyond it."""
     from mptune.cli import show, show_weights
     from mptune.cli.interrupt import interruptible
+    from mptune.cli.study import load_study, with_warnings
     from mptune.job.weights import weights_study
-    from mptune.params.load import load_study
 
     loaded = load_study(study, override or (), uncertainty)
     try:
@@ -68,7 +70,7 @@ def weights(
         sys.stderr.write("mptune: finished trials are kept; the same command goes on\n")
         raise
     if json:
-        show.as_json(result.json())
+        show.as_json(with_warnings(result.json(), loaded))
     else:
         show_weights.weights(result)
         show.files(files)

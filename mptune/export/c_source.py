@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.escaping import c_string, comment_text
 from mptune.export.formats import Precision
 from mptune.force.search_space import search_space
 
@@ -26,7 +27,9 @@ _CONSTANTS = """\
 #define MPTUNE_SINGLE_PRECISION {single}
 #define MPTUNE_TICKS {ticks}U /* T_S / T_S,fast: steps per decision */
 #define MPTUNE_STATES {states}U /* valve states of one side, Eq. 6 */
+#define MPTUNE_CANDIDATES {candidates}U /* pairs looked at two periods ahead; at least 1 */
 #define MPTUNE_MARGINS_SATISFIED {trusted} /* 0 where the export was forced */
+#define MPTUNE_VERDICT "{verdict}"
 #define MPTUNE_STUDY_HASH "{hash}"
 #define MPTUNE_VERSION "{version}"
 #define MPTUNE_DATE "{date}"
@@ -105,7 +108,7 @@ def c_sources(controller: TargetController) -> dict[str, str]:
 
 def c_comment(lines: Iterable[str]) -> str:
     """Return lines as one comment that no text in them can end or nest."""
-    safe = (line.replace("*/", "* /").replace("/*", "/ *").replace("\\", "/") for line in lines)
+    safe = map(comment_text, lines)
     return "/*\n" + "".join(f" * {line}".rstrip() + "\n" for line in safe) + " */\n"
 
 
@@ -119,10 +122,12 @@ def _constants(controller: TargetController) -> str:
         single=int(numbers.precision is Precision.FLOAT),
         ticks=numbers.ticks,
         states=len(search_space().first),
+        candidates=max(round(numbers.value("candidates")), 1),
         trusted=int(controller.trusted),
-        hash=provenance["study_hash"],
-        version=provenance["version"],
-        date=provenance["date"],
+        verdict=c_string(controller.word),
+        hash=c_string(provenance["study_hash"]),
+        version=c_string(provenance["version"]),
+        date=c_string(provenance["date"]),
         members="\n".join(members),
     )
 

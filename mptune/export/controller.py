@@ -6,7 +6,9 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 from mptune.params.gains import version
+from mptune.params.headline import Headline
 from mptune.robust.place import finite
+from mptune.units import number_beside
 
 if TYPE_CHECKING:
     from mptune.export.constants import Numbers
@@ -59,6 +61,21 @@ class TargetController:
         """The verdict on the margins of the numbers as written."""
         return "satisfied" if self.trusted else "violated"
 
+    @property
+    def word(self) -> Headline:
+        """How the controller came out: as written, and as the gains file says."""
+        stated = Headline.MET if self.source.margins == "satisfied" else Headline.NOT_MET
+        return Headline.first(
+            (Headline(self.source.verdict or stated), self.margins.judgement.word)
+        )
+
+    @property
+    def reason(self) -> str:
+        """What that rests on: the numbers as written, else what the gains file says."""
+        written = self.margins.judgement
+        said = self.source.reason or f"margins {self.source.margins} in the gains file"
+        return written.because if written.word is self.word else said
+
     def provenance(self) -> dict[str, str]:
         """Return study, hash, version and dates."""
         return {
@@ -90,9 +107,14 @@ class TargetController:
         if not self.trusted:
             lines += [*WARNING, ""]
         lines += [f"{key}: {value}" for key, value in self.provenance().items()]
-        lines += ["", f"margins as written: {self.verdict}"]
+        lines += [
+            "",
+            f"verdict: {self.word} ({self.reason})",
+            f"margins as written: {self.verdict}",
+        ]
         for check in self.margins.checks:
-            lines.append(f"  {check.label}: {check.found:.6g} ({check.limit}), {check.status}")
+            found = number_beside(check.found, check.limit, 6)
+            lines.append(f"  {check.label}: {found} ({check.limit}), {check.status}")
         lines += [f"closed loop on the nonlinear machine: {self.source.closed_loop}"]
         lines += ["", "gains, SI:"]
         for section in (self.gains, self.feedforward):

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 from xml.etree import ElementTree as ET
 
+from mptune.escaping import printable
 from mptune.export.controller import WARNING
 from mptune.export.variables import UNITS, variables
 from mptune.params.gains import version
@@ -97,6 +98,7 @@ def build_description(sources: Sequence[str], flags: Sequence[str]) -> str:
 def _root(controller: TargetController, fmi: str, **identity: str) -> ET.Element:
     provenance = controller.provenance()
     texts = [f"{key}: {value}" for key, value in provenance.items()]
+    texts.append(f"verdict: {controller.word} ({controller.reason})")
     texts.append(f"margins as written: {controller.verdict}")
     if not controller.trusted:
         texts = [*WARNING, *texts]
@@ -105,9 +107,9 @@ def _root(controller: TargetController, fmi: str, **identity: str) -> ET.Element
         {
             "fmiVersion": fmi,
             "modelName": MODEL,
-            "description": "; ".join(texts),
+            "description": printable("; ".join(texts)),
             "generationTool": f"mptune {version()}",
-            "generationDateAndTime": controller.date,
+            "generationDateAndTime": printable(controller.date),
             "variableNamingConvention": "structured",
             **identity,
         },

@@ -5,8 +5,11 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from mptune.robust.chain import chain
+from mptune.robust.headline import judge
 from mptune.robust.result import Check, Status
 from mptune.robust.sweep import sweep
+from mptune.units import exact
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
     from mptune.params.controller import Gains
     from mptune.params.requirements import GainBounds
     from mptune.params.study import ResolvedStudy
+    from mptune.robust.headline import Judgement
     from mptune.robust.result import SweepResult
 
 _SLACK = 1e-6  # relative, of bounds on gains: single precision tells numbers no closer apart
@@ -32,12 +36,15 @@ class WrittenMargins:
     before, checks
         The requirements of both. As written, it is also one that the coefficients are gains at
         all, closely enough to be swept as such.
+    judgement
+        The verdict on what was written, on every linear model.
     """
 
     tuned: SweepResult
     written: SweepResult
     before: tuple[Check, ...]
     checks: tuple[Check, ...]
+    judgement: Judgement
 
     @property
     def broken(self) -> tuple[Check, ...]:
@@ -51,8 +58,8 @@ class WrittenMargins:
 
     @property
     def satisfied(self) -> bool:
-        """Whether what was written meets every requirement."""
-        return all(check.status is Status.SATISFIED for check in self.checks)
+        """Whether the verdict on what was written is *met*."""
+        return self.judgement.met
 
 
 def written_margins(study: ResolvedStudy, tuned: Gains, written: Written) -> WrittenMargins:
@@ -69,11 +76,13 @@ def written_margins(study: ResolvedStudy, tuned: Gains, written: Written) -> Wri
     """
     before, after = sweep(study, tuned), sweep(written.study(study), written.gains)
     bounds = study.study.requirements.bounds
+    checks = (*after.checks, *_bound_checks(bounds, written.gains), _fidelity(written))
     return WrittenMargins(
         tuned=before,
         written=after,
         before=(*before.checks, *_bound_checks(bounds, tuned)),
-        checks=(*after.checks, *_bound_checks(bounds, written.gains), _fidelity(written)),
+        checks=checks,
+        judgement=judge(checks, chain(after)),
     )
 
 
@@ -83,7 +92,7 @@ def _bound_checks(bounds: GainBounds, gains: Gains) -> Iterator[Check]:
         if bound is not None:
             (low, high), found = bound, getattr(gains, key)
             kept = low * (1 - _SLACK) <= found <= high * (1 + _SLACK)
-            limit = f"{low:g} … {high:g} {unit if unit != '1' else ''}".rstrip()
+            limit = f"{exact(low)} … {exact(high)} {unit if unit != '1' else ''}".rstrip()
             yield Check(key, key, limit, found, _status(kept=kept), None)
 
 

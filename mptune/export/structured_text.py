@@ -1,29 +1,46 @@
-"""Outer loops and filters as IEC 61131-3 Structured Text: fixed blocks, the study's constants."""
+"""Outer loops and filters as IEC 61131-3 Structured Text: fixed blocks, the study's constants.
+
+The whole of a text compiles as it stands with compilers that keep to the standard's letter, matiec
+and with it OpenPLC: constants are global to a configuration, and every block that uses one says so
+(``VAR_EXTERNAL``). Environments with lists of global variables of their own, CODESYS and TwinCAT,
+take the same blocks; there the constants go into such a list, and the configuration is left out.
+"""
 
 from __future__ import annotations
 
+import re
+from decimal import Decimal
 from importlib import resources
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mptune.errors import Fault, InputError
+from mptune.escaping import comment_text
 from mptune.export.formats import Precision
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
+    from mptune.export.constants import Numbers
     from mptune.export.controller import TargetController
 
 _TITLE = (
     "Outer loops and filters of a multi-pressure hydraulic cylinder, written by mptune. "
-    "MPT_Measurement runs every T_S,fast, MPT_OuterLoops every T_S."
+    "MPT_Measurement runs every T_S,fast, MPT_OuterLoops every T_S; MPT_Program does both in a "
+    "task of T_S,fast. Where global variables have a list of their own, move the constants there "
+    "and leave out the configuration."
 )
 _SECTIONS = ("outer_loops", "feedforward_lags", "state_estimator", "filters")
+_FILES = ("outer_loops.st", "program.st")
+_UNIT = re.compile(r"^(FUNCTION_BLOCK|PROGRAM) .*?^END_\1$", re.MULTILINE | re.DOTALL)
+_COMMENT = re.compile(r"\(\*.*?\*\)", re.DOTALL)
+_DECLARED = "END_VAR\n"
+_TICKS = ("MPT_TICKS", "DINT")
 
 
 def structured_text(controller: TargetController) -> str:
-    """Return the function blocks and their constants; REAL where the precision is single.
+    """Return blocks, program and configuration; REAL where the precision is single.
 
     Raises
     ------
@@ -32,9 +49,17 @@ def structured_text(controller: TargetController) -> str:
         mass that is learnt on line.
     """
     _check_held(controller)
-    blocks = resources.files("mptune.export").joinpath("st/outer_loops.st").read_text("utf-8")
-    text = _comment(controller.heading(_TITLE)) + _constants(controller) + "\n" + blocks
-    if controller.numbers.precision is Precision.FLOAT:
+    numbers = controller.numbers
+    folder = resources.files("mptune.export").joinpath("st")
+    blocks = "\n".join(folder.joinpath(name).read_text("utf-8") for name in _FILES)
+    kinds = dict([*((f"MPT_{key.upper()}", "LREAL") for key in _keys(numbers)), _TICKS])
+    parts = (
+        _comment(controller.heading(_TITLE)),
+        _UNIT.sub(lambda unit: _with_externals(unit[0], kinds), blocks),
+        _configuration(numbers),
+    )
+    text = "\n".join(parts)
+    if numbers.precision is Precision.FLOAT:
         return text.replace("LREAL", "REAL")
     return text
 
@@ -54,17 +79,49 @@ def _check_held(controller: TargetController) -> None:
             )
 
 
-def _constants(controller: TargetController) -> str:
-    numbers = controller.numbers
-    lines = ["VAR_GLOBAL CONSTANT"]
-    for section in _SECTIONS:
-        for one in numbers.sections[section]:
-            unit = one.unit if one.unit != "1" else "-"
-            value = _literal(one.value, single=numbers.precision is Precision.FLOAT)
-            lines.append(
-                f"    MPT_{one.key.upper()} : LREAL := {value}; (* {unit}, {one.meaning} *)"
-            )
-    return "\n".join([*lines, "END_VAR", ""])
+def _keys(numbers: Numbers) -> list[str]:
+    return [one.key for section in _SECTIONS for one in numbers.sections[section]]
+
+
+def _with_externals(unit: str, kinds: dict[str, str]) -> str:
+    """Return a block or program that declares each global constant in its body as external."""
+    declarations, _, body = unit.rpartition(_DECLARED)
+    words = set(re.findall(r"\w+", _COMMENT.sub("", body)))
+    used = [f"    {name} : {kind};\n" for name, kind in kinds.items() if name in words]
+    external = f"VAR_EXTERNAL CONSTANT\n{''.join(used)}{_DECLARED}" if used else ""
+    return f"{declarations}{_DECLARED}{external}{body}"
+
+
+def _configuration(numbers: Numbers) -> str:
+    """Return the constants, and a task of T_S,fast with the program."""
+    single = numbers.precision is Precision.FLOAT
+    constants = [
+        f"MPT_{one.key.upper()} : LREAL := {_literal(one.value, single=single)}; "
+        f"(* {one.unit if one.unit != '1' else '-'}, {one.meaning} *)"
+        for section in _SECTIONS
+        for one in numbers.sections[section]
+    ]
+    name, kind = _TICKS
+    constants.append(f"{name} : {kind} := {numbers.ticks}; (* -, T_S in T_S,fast *)")
+    interval = _milliseconds(numbers.value("sample_time"))
+    lines = [
+        "CONFIGURATION MPT_Configuration",
+        "    VAR_GLOBAL CONSTANT",
+        *(f"        {one}" for one in constants),
+        "    END_VAR",
+        "    RESOURCE MPT_Resource ON PLC",
+        f"        TASK MPT_Fast(INTERVAL := T#{interval}ms, PRIORITY := 0);",
+        "        PROGRAM MPT_Instance WITH MPT_Fast : MPT_Program;",
+        "    END_RESOURCE",
+        "END_CONFIGURATION",
+    ]
+    return "\n".join([*lines, ""])
+
+
+def _milliseconds(seconds: float) -> str:
+    """Return a time of the standard, which knows no exponents, to the nanosecond."""
+    text = f"{Decimal(repr(seconds)) * 1000:.6f}"
+    return text.rstrip("0").rstrip(".")
 
 
 def _literal(value: float, *, single: bool) -> str:
@@ -77,5 +134,5 @@ def _literal(value: float, *, single: bool) -> str:
 
 
 def _comment(lines: Iterable[str]) -> str:
-    safe = (line.replace("*)", "* )").replace("(*", "( *") for line in lines)
+    safe = map(comment_text, lines)
     return "(*\n" + "".join(f"   {line}".rstrip() + "\n" for line in safe) + "*)\n"

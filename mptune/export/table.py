@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import tomlkit
 
+from mptune.escaping import comment_text, printable_values
 from mptune.export.controller import WARNING
 from mptune.params.format import CONTROLLER_FORMAT, FORMAT_KEY
 
@@ -24,9 +25,9 @@ def as_toml(controller: TargetController) -> str:
     """Return the controller as TOML: a table for each section, unit and meaning in comments."""
     document = tomlkit.document()
     for line in controller.heading(_TITLE):
-        document.add(tomlkit.comment(line) if line else tomlkit.nl())
+        document.add(tomlkit.comment(comment_text(line)) if line else tomlkit.nl())
     document.add(FORMAT_KEY, CONTROLLER_FORMAT)
-    document.add("provenance", tomlkit.item(controller.provenance()))
+    document.add("provenance", tomlkit.item(printable_values(controller.provenance())))
     document.add("verdict", tomlkit.item(_verdict(controller)))
     for name, values in _sections(controller):
         table = tomlkit.table()
@@ -49,7 +50,9 @@ def as_json(controller: TargetController) -> str:
             key: {"value": value, "unit": unit, "meaning": meaning}
             for key, value, unit, meaning in section
         }
-    return json.dumps(values, indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    return (
+        json.dumps(printable_values(values), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    )
 
 
 def _verdict(controller: TargetController) -> dict[str, Any]:
@@ -59,6 +62,8 @@ def _verdict(controller: TargetController) -> dict[str, Any]:
         for one in controller.verdicts()
     ]
     return {
+        "verdict": controller.word.value,
+        "reason": controller.reason,
         "margins": controller.verdict,
         "margins_in_gains_file": controller.source.margins,
         "closed_loop": controller.source.closed_loop,

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -47,7 +46,8 @@ def _draw(magnitude: Axes, phase: Axes, result: SweepResult, which: int) -> None
         worst = model.loops(gains, plants=model.plant(condition.at))
         lines.append((loop_curves(which, omega, worst), "worst plant", WORST))
         if model.path == NO_PATH:
-            measured = loop_curves(which, omega, replace(worst, path=model.filters))
+            explicit = model.plant(condition.at, as_it_runs=True)
+            measured = loop_curves(which, omega, model.as_it_runs(gains, explicit))
             dotted = {**WORST, "linestyle": ":"}
             lines.append((measured, "worst plant, with measurement path", dotted))
     for loop, label, look in lines:

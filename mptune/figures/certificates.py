@@ -102,9 +102,9 @@ def _bars(axes: Axes, found: Certificates) -> None:
         }  # fmt: skip
         axes.barh(row, one.lower, height=0.55, **look)
         axes.annotate(
-            f"{one.lower:.3g}", (one.lower, row), xytext=(3, 0), textcoords="offset points",
-            va="center",
-        )  # fmt: skip
+            f"{one.lower:.3g}", (max(one.lower, 1.0), row), xytext=(3, 0),
+            textcoords="offset points", va="center",
+        )  # fmt: skip  # right of the line at 1 too
     axes.axvline(1, **{**LIMIT, "linewidth": 0.8})
     axes.set_yticks(range(len(names)), [_NAMES[name] for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)

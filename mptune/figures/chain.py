@@ -19,6 +19,7 @@ _ROOM = 0.15  # of the bars' span, left at either end for the value written ther
 _SPAN = (0.8, 2.5)  # the bars' span is taken to be at least this
 _TICKS = (0.02, 0.05, 0.1, 0.2, 0.5, 1, 1.5, 2, 3, 5, 10, 20, 50)
 _MARGIN: dict[str, Any] = {"color": NOMINAL["color"]}
+_BESIDE: dict[str, Any] = {"color": "white", "edgecolor": NOMINAL["color"], "linestyle": ":"}
 _LACK: dict[str, Any] = {"color": "white", "edgecolor": WORST["color"], "hatch": "////"}
 
 
@@ -57,7 +58,7 @@ def _ends(links: tuple[Link, ...]) -> tuple[float, float]:
 def _bar(axes: Axes, row: int, link: Link, end: float) -> None:
     factor = link.factor
     reach = min(factor, end) if not np.isnan(factor) else 1.0
-    look = _MARGIN if reach >= 1 else _LACK
+    look = _BESIDE if link.beside else _MARGIN if reach >= 1 else _LACK
     axes.barh(row, reach - 1.0, left=1.0, height=0.55, **look)
     inside = np.isinf(factor)  # its bar fills the axis
     axes.annotate(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+from mptune.escaping import figure_text
 from mptune.figures.style import (
     LIMIT,
     NOMINAL,
@@ -51,7 +52,8 @@ def compared_gains(entries: Sequence[Drawn]) -> Figure:
     with style():
         figure = new_figure(5.2)
         axes = figure.subplots(2, 2)
-        for n, (label, swept, moves) in enumerate(entries):
+        for n, (name, swept, moves) in enumerate(entries):
+            label = figure_text(name)
             look = look_of(n)
             _ratios(axes[:, 0], label, swept, look)
             case = max(worst_per_mass(moves), key=lambda one: one.mass_kg)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.escaping import figure_text
 from mptune.figures.style import EDGE, LIMIT, NOMINAL, legend_below, new_figure, style
 from mptune.identify.result import over_points
 
@@ -60,7 +61,7 @@ def _draw(magnitude: Axes, phase: Axes, panel: Panel) -> None:
     phase.set(xlabel="Frequency [rad/s]", ylabel="Phase [°]", xlim=(omega[0], omega[-1]))
     phase.set_yticks(np.arange(-360, 1, 45))
     phase.set_ylim(min(-180.0, float(np.floor(angle.min() / 45) * 45 - 15)), 15)
-    magnitude.set_title(panel.name, loc="left", fontsize=8)
+    magnitude.set_title(figure_text(panel.name), loc="left", fontsize=8)
     magnitude.text(0.02, 0.06, _counts(panel), transform=magnitude.transAxes, fontsize=7)
 
 

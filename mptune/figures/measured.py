@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.escaping import figure_text
 from mptune.figures.style import WORST, legend_below, new_figure, style
 from mptune.identify.fit import model
 
@@ -37,7 +38,7 @@ def fitted_responses(
             )
             degrees = np.degrees(np.unwrap(np.angle(value)))
             turns = 360 * np.rint((degrees - one.degrees[used])[0] / 360)
-            magnitude.plot(omega, one.decibels[used], label=one.name, **look)
+            magnitude.plot(omega, one.decibels[used], label=figure_text(one.name), **look)
             phase.plot(omega, one.degrees[used] + turns, **look)
             coherence.plot(omega, one.quality[used], **look)
             label = "Eq. 11 with dead time, fitted"

@@ -63,7 +63,8 @@ def _draw(axes: Axes, result: SweepResult, loop: int) -> None:
             words = "worst plant, with measurement path"
             looks.append((model.filters, words, {**WORST, "linestyle": ":"}))
         for path, label, look in looks:
-            curve = loop_curves(loop, omega, model.loops(gains, path, model.plant(at)))[0]
+            plant = model.plant(at, as_it_runs=path != NO_PATH)
+            curve = loop_curves(loop, omega, model.loops(gains, path, plant))[0]
             axes.plot(curve.real, curve.imag, label=label, **look)
     turn = np.linspace(0, 2 * np.pi, 200)
     circle = {**LIMIT, "linewidth": 0.8}

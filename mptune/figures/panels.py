@@ -14,13 +14,14 @@ from mptune.figures.style import (
     REFERENCE,
     WORST,
     band,
+    drawable,
     legend_below,
     new_figure,
     style,
 )
 from mptune.robust.curves import error_curves
 from mptune.robust.tables import EQUATIONS
-from mptune.sim.response import position_step, velocity_step
+from mptune.sim.response import farthest, position_step, velocity_step
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -94,8 +95,8 @@ def _draw_sides(
 def _draw_steps(axes: Axes, result: SweepResult, condition: Condition) -> None:
     model = result.model
     family, nominal_loop = model.loops(result.gains), model.nominal_loop(result.gains)
-    horizon = step_horizon(family.gains, model.plants)
-    time = np.linspace(0, horizon[0 if condition.name == "velocity" else 1], 401)
+    horizon = step_horizon(family.gains, model.plants)[0 if condition.name == "velocity" else 1]
+    time = np.linspace(0, min(horizon, farthest(family), farthest(nominal_loop)), 401)
     curves = _steps(family, condition.name, time)
     nominal = _steps(nominal_loop, condition.name, time)
     worst = int(np.argmax(np.abs(curves).max(axis=1)))
@@ -117,13 +118,19 @@ def _draw_steps(axes: Axes, result: SweepResult, condition: Condition) -> None:
 
 
 def _steps(loops: FamilyLoops, name: str, time: FloatArray) -> FloatArray:
-    return velocity_step(loops, time) if name == "velocity" else position_step(loops, time)
+    found = velocity_step(loops, time) if name == "velocity" else position_step(loops, time)
+    return drawable(found)
 
 
 def step_horizon(gains: LoopGains, plants: Plants) -> tuple[float, float]:
-    """Return how long to draw the velocity and the position step [s]."""
+    """Return how long to draw the velocity and the position step [s].
+
+    Until what is slow has faded: the velocity loop, and the position loop where it is closed. An
+    open one, without gains, moves nothing.
+    """
     velocity = 8 * float(plants.mass.max()) / gains.k_p_vel + 10 * float(plants.delay.max())
-    position = velocity + 7 / max(gains.k_p_pos, 1e-3)
+    rate = max(gains.k_p_pos, gains.k_i_pos**0.5)
+    position = velocity + (7 / rate if rate > 0 else 0.0)
     return _rounded(velocity), _rounded(position)
 
 

@@ -12,6 +12,7 @@ from mptune.figures.style import (
     REFERENCE,
     WORST,
     band,
+    drawable,
     legend_below,
     new_figure,
     style,
@@ -19,7 +20,7 @@ from mptune.figures.style import (
 from mptune.loops.broken import FORCE, POSITION, VELOCITY
 from mptune.params.packed import NO_PATH
 from mptune.robust.curves import loop_curves
-from mptune.sim.response import load_step
+from mptune.sim.response import farthest, load_step
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -55,7 +56,7 @@ def _draw(above: Axes, below: Axes, result: SweepResult, loop: int) -> None:
     nominal = loop_curves(loop, omega, model.nominal_loop(gains))
     highest = int(np.argmax(np.abs(family).max(axis=1)))
     worst = family[highest]
-    as_it_runs = model.as_it_runs(gains, model.plants.picked(np.array([highest])))
+    as_it_runs = model.as_it_runs(gains, model.explicit.picked(np.array([highest])))
     measured = 1 / (1 + loop_curves(loop, omega, as_it_runs)[0])
     for axes, less in ((above, 0), (below, 1)):  # T = 1 − S
         band(axes, omega, np.abs(less - family), "family")
@@ -75,11 +76,11 @@ def _draw(above: Axes, below: Axes, result: SweepResult, loop: int) -> None:
 def load_response(result: SweepResult) -> Figure:
     """Draw the position after a load step over the family, per kilonewton."""
     model, gains = result.model, result.gains
-    time = np.linspace(0, _LONGEST / max(gains.k_p_pos, 1e-3), 301)
-    family, nominal = (
-        1e6 * load_step(one, time)  # mm/kN
-        for one in (model.loops(gains), model.nominal_loop(gains))
-    )
+    loops = model.loops(gains), model.nominal_loop(gains)
+    packed = loops[0].gains
+    slowest = max(packed.k_p_pos, packed.k_i_pos**0.5, packed.k_p_vel / model.nominal.mass / 100)
+    time = np.linspace(0, min(_LONGEST / slowest, *map(farthest, loops)), 301)
+    family, nominal = (drawable(1e6 * load_step(one, time)) for one in loops)  # mm/kN
     worst = int(np.argmax(np.abs(family).max(axis=1)))
     with style():
         figure = new_figure(2.5)

@@ -7,11 +7,15 @@ and dashed, a reference dotted.
 
 from __future__ import annotations
 
+import contextlib
 import io
+import warnings
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 if TYPE_CHECKING:
-    from contextlib import AbstractContextManager
+    from collections.abc import Iterator
 
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
@@ -27,6 +31,8 @@ REFERENCE: dict[str, Any] = {"color": "black", "linewidth": 0.9, "linestyle": ":
 SECOND: dict[str, Any] = {"color": "#009e73", "linewidth": 1.4, "linestyle": "--"}
 
 WIDTH = 6.9  # inches, the width of a page's text
+
+_FAR = 1e9  # where a curve that has left every picture is drawn
 
 _SETTINGS: dict[str, Any] = {
     "font.size": 8.5,
@@ -45,12 +51,19 @@ _SETTINGS: dict[str, Any] = {
 }
 
 
-def style() -> AbstractContextManager[None]:
-    """Return the context in which figures are drawn."""
+@contextlib.contextmanager
+def style() -> Iterator[None]:
+    """Return the context in which figures are drawn.
+
+    What the library has to say of letters that its font lacks, or of axes without extent, is kept
+    from the user: the figure shows it.
+    """
     import matplotlib as mpl
 
     settings: Any = _SETTINGS
-    return mpl.rc_context(settings)
+    with mpl.rc_context(settings), warnings.catch_warnings():
+        warnings.filterwarnings("ignore", category=UserWarning)
+        yield
 
 
 def new_figure(height: float) -> Figure:
@@ -90,6 +103,12 @@ def legend_below(figure: Figure, *axes: Axes) -> None:
         ncols=-(-len(entries) // rows),
         handlelength=3,
     )
+
+
+def drawable(curves: FloatArray) -> FloatArray:
+    """Return curves that an axis can hold: what runs away, or beyond all numbers, stays far off."""
+    far = np.nan_to_num(curves, nan=_FAR, posinf=_FAR, neginf=-_FAR)
+    return np.asarray(np.clip(far, -_FAR, _FAR))
 
 
 def band(axes: Axes, x: FloatArray, curves: FloatArray, label: str) -> None:

@@ -15,6 +15,7 @@ from mptune.force.estimator import (
     predict,
     stiffness_path,
 )
+from mptune.force.horizon import best_ahead
 
 if TYPE_CHECKING:
     from mptune.force.search_space import SearchSpace
@@ -37,6 +38,18 @@ def cheapest(
             if total < best:
                 best, best_a, best_b = total, a, b
     return best_a, best_b
+
+
+@kernel
+def beyond_the_paper(settings: ForceSettings) -> bool:
+    """Return whether anything is decided otherwise than by Eq. 7 and Eq. 8 as printed."""
+    return (
+        settings.error_width > 0
+        or settings.path_loss > 0
+        or settings.candidates > 0
+        or settings.weight_common_mode > 0
+        or settings.steady_state > 0
+    )
 
 
 @kernel
@@ -69,7 +82,8 @@ def decide(
     Notes
     -----
     With ``delay_prediction`` the pressures are first carried through the valve delay, with the
-    present states, and the decision is made from there.
+    present states, and the decision is made from there. The paper's own decision keeps an
+    arithmetic of its own, so that it stays what it was to the last bit.
     """
     states = len(space.first)
     lag = settings.delay_prediction
@@ -81,6 +95,11 @@ def decide(
             SIDE_B, pressure_b, position, velocity, supplies, present_b, space, settings
         )
         position += velocity * lag
+    if beyond_the_paper(settings):
+        return best_ahead(
+            wanted, pressure_a, pressure_b, position, velocity, supplies, converters,
+            present_a, present_b, space, settings,
+        )  # fmt: skip
     force_a, cost_a = np.empty(states), np.empty(states)
     force_b, cost_b = np.empty(states), np.empty(states)
     side_costs(

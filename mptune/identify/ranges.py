@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from mptune.errors import Fault, InputError
+from mptune.escaping import comment_text
 from mptune.identify.fitted import NAMES, Certainty, Fit
 
 if TYPE_CHECKING:
@@ -64,7 +65,9 @@ def uncertainty_section(
     section = tomlkit.table()
     for one in fits:
         section.add(
-            tomlkit.comment(f"{one.name}: {one.certainty.value}; least known {one.weakest}")
+            tomlkit.comment(
+                comment_text(f"{one.name}: {one.certainty.value}; least known {one.weakest}")
+            )
         )
     if held:
         section.add(tomlkit.comment(f"delay: with {1e3 * held:g} ms of the hold added"))
@@ -73,7 +76,7 @@ def uncertainty_section(
         section.add(name, list(_milliseconds(ranges[name])))
     section.add("points", box.points)
     if measured:
-        files = ", ".join(f'"{file}"' for file in measured)
+        files = ", ".join(f'"{comment_text(file)}"' for file in measured)
         section.add(
             tomlkit.comment(f"measured = [{files}]  # the responses as members of their own")
         )

@@ -9,6 +9,7 @@ import numpy as np
 
 from mptune.arrays import frozen
 from mptune.errors import Fault, InputError
+from mptune.escaping import file_name
 from mptune.files import write_whole
 from mptune.identify.response import FrequencyResponse
 from mptune.params.measured import read_response_table
@@ -30,7 +31,7 @@ def read_response(path: str | Path) -> FrequencyResponse:
     path = Path(path)
     table = read_response_table(path)
     columns = frozen(table.omega), frozen(table.response), frozen(table.coherence)
-    return FrequencyResponse(*columns, path.stem)
+    return FrequencyResponse(*columns, file_name(path.stem))
 
 
 def write_response(path: str | Path, response: FrequencyResponse) -> Path:

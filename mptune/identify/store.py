@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.datasets import read_dataset, write_dataset
-from mptune.errors import InputError
+from mptune.errors import Fault, InputError
 from mptune.identify.result import FitStatus, Panel
 from mptune.params.gains import version
 
@@ -84,14 +84,21 @@ def write_identification(path: str | Path, result: IdentifyResult) -> Path:
 
 
 def read_panels(path: str | Path, study_hash: str) -> tuple[Panel, ...]:
-    """Return the panels of a stored identification of one model; none where there is no such."""
-    try:
-        dataset = read_dataset(path)
-    except InputError:
-        return ()
+    """Return the panels of a stored identification of one model; none where it is of another.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or holds no identification.
+    """
+    dataset = read_dataset(path)
     if dataset.attrs.get("study_hash") != study_hash:
         return ()
-    return tuple(_panel(dataset.isel(panel=n)) for n in range(dataset.sizes["panel"]))
+    try:
+        return tuple(_panel(dataset.isel(panel=n)) for n in range(dataset.sizes["panel"]))
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        fault = Fault("", "", "holds no identification", "identify again")
+        raise InputError(path, fault) from error
 
 
 def _panel(one: xr.Dataset) -> Panel:

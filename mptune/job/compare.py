@@ -1,8 +1,9 @@
 """Gains beside gains: files and studies on one model, or each on its own.
 
-With ``--study`` every gains file is judged on that study's model, and what belongs to another
-model is refused: its verdicts would not carry over. Without it, each study that is named stands for
-its own gains on its own model, and each gains file for the named study whose model it was made for.
+With ``--study`` all are judged on that study's model: the same controller on any grid, set or box.
+Without it, each study that is named stands for its own gains on its own model, and each gains file
+is judged on the named study whose model it was made for, else on the first of its name, else on the
+first. What differs from the model that it was made for is said; another controller is refused.
 """
 
 from __future__ import annotations
@@ -12,10 +13,14 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
+from mptune.escaping import printable
 from mptune.files import make_folder, read_text, write_whole
-from mptune.params.gains import GainsFile, read_gains
+from mptune.params.gains import GainsFile, gains_for, read_gains
+from mptune.params.judged_on import differences, judged_on, refuse_other_controller
 from mptune.params.load import load_study, parse_toml
+from mptune.params.study import CHOSEN
 from mptune.progress import silent
+from mptune.robust.headline import judge_sweep
 from mptune.robust.sweep import sweep
 from mptune.sim.sampled import linear_moves
 
@@ -23,8 +28,10 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mptune.params.controller import Feedforward
+    from mptune.params.judged_on import Difference
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
+    from mptune.robust.headline import Judgement
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
 
@@ -42,7 +49,11 @@ class Compared:
     source
         The file that it comes from.
     sweep, moves
-        The verdict over the family, and the sampled linear loop.
+        What was found over the family, and the sampled linear loop.
+    judgement
+        The verdict on every linear model.
+    differs
+        In what the model differs from the one that they were made for.
     recorded
         What a gains file records of its own closed loop on the nonlinear machine; else empty.
     """
@@ -52,11 +63,13 @@ class Compared:
     feedforward: Feedforward
     sweep: SweepResult
     moves: tuple[LinearMove, ...]
+    judgement: Judgement
+    differs: tuple[Difference, ...]
     recorded: dict[str, Any]
 
     @property
     def index_ms(self) -> dict[float, float]:
-        """The largest linear index by mass [kg]; infinite where a case is not stable."""
+        """The largest linear-check index by mass [kg]; infinite where a case is not stable."""
         found: dict[float, float] = {}
         for case in self.moves:
             found[case.mass_kg] = max(found.get(case.mass_kg, 0.0), case.badness)
@@ -65,6 +78,7 @@ class Compared:
     def json(self) -> dict[str, Any]:
         """Return the entry in SI, units in the keys; indices keep §7's unit."""
         return {
+            **self.judgement.json(),
             "label": self.label,
             "source": str(self.source),
             "study": self.sweep.study.name,
@@ -72,7 +86,10 @@ class Compared:
             "gains": self.sweep.gains.model_dump(),
             "feedforward": self.feedforward.model_dump(),
             "sweep": self.sweep.json(),
-            "linear_index_ms": {f"{mass:.0f}_kg": index for mass, index in self.index_ms.items()},
+            "linear_check_index_ms": {
+                f"{mass:.0f}_kg": index for mass, index in self.index_ms.items()
+            },
+            "differs": [one.json() for one in self.differs],
             "recorded": self.recorded,
         }
 
@@ -81,7 +98,8 @@ class Compared:
 class _Entry:
     source: Path
     study: ResolvedStudy
-    file: GainsFile | None
+    file: GainsFile | None = None
+    differs: tuple[Difference, ...] = ()
 
 
 def compare(
@@ -109,7 +127,8 @@ def compare(
     Raises
     ------
     InputError
-        If there are fewer than two, or some gains file belongs to none of the models.
+        If there are fewer than two, some gains file has no study to be judged on, or some are of
+        another controller.
     """
     from mptune.figures.compare import compared_gains
     from mptune.figures.style import to_svg
@@ -143,36 +162,42 @@ def _entries(
     studies = {
         path: load_study(path, overrides, uncertainty) for path in sources if path not in files
     }
-    known = [frame] if frame else list(studies.values())
-    for path, one in studies.items():
-        if frame is not None and one.hash() != frame.hash():
-            rule = f"is another model ({one.hash()[:12]}…) than --study's ({frame.hash()[:12]}…)"
-            remedy = "leave --study out: each study is then judged on its own model"
-            raise InputError(path, Fault("", "", rule, remedy))
     entries = []
     for path in sources:
         if path in studies:
-            entries.append(_Entry(path, studies[path], None))
+            entries.append(_of_study(path, studies[path], frame))
             continue
-        file = files[path]
-        own = next((one for one in known if one.hash() == file.study_hash), None)
-        if own is None:
-            raise InputError(path, _homeless(file, known, framed=frame is not None))
-        entries.append(_Entry(path, own, file))
+        own = _home(path, files[path], frame, list(studies.values()))
+        file, differs = gains_for(own, path)
+        entries.append(_Entry(path, file.put_over(own), file, differs))
     return entries
 
 
-def _homeless(file: GainsFile, known: Sequence[ResolvedStudy], *, framed: bool) -> Fault:
-    """Return the fault of a gains file whose model is not among those given."""
-    made = f"{file.study_hash[:12]}…"
-    which = f"study {file.study}, uncertainty set {file.uncertainty or 'default'}"
-    if not known:
-        return Fault("study_hash", made, "needs its model", f"name it: --study ({which})")
-    models = ", ".join(f"{one.name} {one.hash()[:12]}…" for one in known)
-    rule = f"belongs to another model than {models}"
-    if framed:
-        return Fault("study_hash", made, rule, f"give the study it was made for ({which})")
-    return Fault("study_hash", made, rule, f"name the study it was made for as well ({which})")
+def _of_study(path: Path, study: ResolvedStudy, frame: ResolvedStudy | None) -> _Entry:
+    """Return a study's own gains, on its own model or on that of ``--study``."""
+    if frame is None or frame.hash() == study.hash():
+        return _Entry(path, study)
+    differs = differences(judged_on(study), frame)
+    refuse_other_controller(path, differs)
+    chosen = {name: getattr(study.study, name) for name in CHOSEN}
+    moved = frame.study.model_copy(update=chosen)
+    return _Entry(path, frame.model_copy(update={"study": moved}), None, differs)
+
+
+def _home(
+    path: Path, file: GainsFile, frame: ResolvedStudy | None, named: Sequence[ResolvedStudy]
+) -> ResolvedStudy:
+    """Return the study on whose model a gains file is judged."""
+    if frame is not None:
+        return frame
+    if not named:
+        made = f"{file.study_hash[:12]}…"
+        which = f"study {file.study}, uncertainty set {file.uncertainty or 'default'}"
+        fault = Fault("study_hash", made, "needs its model", f"name it: --study ({which})")
+        raise InputError(path, fault)
+    same = [one for one in named if one.hash() == file.study_hash]
+    namesakes = [one for one in named if one.name == file.study]
+    return (*same, *namesakes, *named)[0]
 
 
 def _labels(entries: Sequence[_Entry]) -> list[str]:
@@ -181,7 +206,7 @@ def _labels(entries: Sequence[_Entry]) -> list[str]:
     for entry in entries:
         path = entry.source.resolve()
         common = path.stem in {"gains", "study"}
-        name = path.parent.name if common else path.stem
+        name = printable(path.parent.name if common else path.stem)
         names.append(f"{name}, study's own" if entry.file is None else name)
     return [
         f"{name} ({names[: n + 1].count(name)})" if names.count(name) > 1 else name
@@ -191,16 +216,23 @@ def _labels(entries: Sequence[_Entry]) -> list[str]:
 
 def _judged(label: str, entry: _Entry) -> Compared:
     study, file = entry.study, entry.file
-    gains = file.gains if file else study.study.gains
-    feedforward = file.feedforward if file else study.study.feedforward
+    swept = sweep(study)
     return Compared(
         label=label,
         source=entry.source,
-        feedforward=feedforward,
-        sweep=sweep(study, gains),
-        moves=linear_moves(study, gains, feedforward),
-        recorded=file.figures.get("closed_loop", {}) if file else {},
+        feedforward=study.study.feedforward,
+        sweep=swept,
+        moves=linear_moves(study),
+        judgement=judge_sweep(swept),
+        differs=entry.differs,
+        recorded=_recorded(file) if file else {},
     )
+
+
+def _recorded(file: GainsFile) -> dict[str, Any]:
+    """Return the numbers that a gains file records; whatever else stands there is none."""
+    found = file.figures.get("closed_loop", {})
+    return {key: value for key, value in found.items() if isinstance(value, int | float)}
 
 
 def _drawn(found: Sequence[Compared]) -> list[tuple[str, SweepResult, tuple[LinearMove, ...]]]:

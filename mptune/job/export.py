@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
+from mptune.escaping import file_name
 from mptune.export.as_written import rounded_section, written_gains
 from mptune.export.c_source import c_sources
 from mptune.export.constants import controller_numbers
@@ -52,6 +53,8 @@ class ExportResult:
         one = self.controller
         return {
             **one.provenance(),
+            "verdict": one.word.value,
+            "verdict_reason": one.reason,
             "margins": one.verdict,
             "closed_loop": one.source.closed_loop,
             "requirements": one.verdicts(),
@@ -116,7 +119,7 @@ def export(
         fault = Fault(
             "margins",
             controller.verdict,
-            "is what the numbers come to as written",
+            f"is what the numbers come to as written ({controller.word}: {controller.reason})",
             "tune again, or insist with --force",
         )
         raise InputError(gains, fault)
@@ -135,7 +138,8 @@ def find_study(gains: str | Path, name: str) -> Path:
     """
     beside = Path(gains).resolve().parent
     places = [beside / "study.toml"]
-    for start in (beside, Path.cwd()):
+    plain = file_name(name) == name  # else no path of it: no folder above, no byte of zero
+    for start in (beside, Path.cwd()) if plain else ():
         places += [folder / "studies" / name / "study.toml" for folder in (start, *start.parents)]
     for place in places:
         if place.is_file():

@@ -89,6 +89,8 @@ def found_by(result: JobResult) -> Results:
         moves=result.moves,
         moves_before=result.moves_before,
         verified=result.verified,
+        verified_before=result.verified_before,
         chain=result.chain,
-        satisfied=result.satisfied,
+        judgement=result.judgement,
+        changes=result.changes,
     )

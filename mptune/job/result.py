@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 from mptune.interop import Drawn
 from mptune.strict import strict
 from mptune.summary import Summarised
+from mptune.verify.before_after import in_a_sentence
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -15,10 +16,12 @@ if TYPE_CHECKING:
 
     from mptune.params.study import ResolvedStudy
     from mptune.robust.chain import Link
+    from mptune.robust.headline import Judgement
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
     from mptune.tune.baselines import Baseline
     from mptune.tune.result import TuneResult
+    from mptune.verify.before_after import Change
     from mptune.verify.result import VerifyResult
 
 
@@ -34,9 +37,13 @@ class JobResult(Summarised, Drawn):
         The tuner's result, with its own sweep.
     moves, moves_before
         The linear check with tuned and with the study's own gains.
-    verified
-        The nonlinear machine under the exported gains; None where their margins are not satisfied,
-        as the controller then refuses them.
+    verified, verified_before
+        The nonlinear machine under the exported and under the study's own gains, with the same
+        seeds; None where a written requirement is not met or undecided, as nothing is to be gained.
+    judgement
+        How the tuned gains came out on every model that was run.
+    changes
+        What became better and what worse on the machine.
     chain
         How far the gain at F_ref may rise with the tuned gains; the nonlinear machine's link comes
         last, where it was run.
@@ -54,21 +61,22 @@ class JobResult(Summarised, Drawn):
     moves: tuple[LinearMove, ...]
     moves_before: tuple[LinearMove, ...]
     verified: VerifyResult | None
+    verified_before: VerifyResult | None
     chain: tuple[Link, ...]
+    judgement: Judgement
+    changes: tuple[Change, ...] = ()
     compared: tuple[Baseline, ...] = ()
     files: tuple[Path, ...] = ()
 
     @property
     def satisfied(self) -> bool:
-        """Whether every requirement is met and every machine verified as stable."""
-        verified = self.verified is not None and self.verified.satisfied
-        return self.tuned.sweep.satisfied and verified
+        """Whether the verdict is *met*."""
+        return self.judgement.met
 
     @property
     def headline(self) -> str:
         """Study and verdict."""
-        verdict = "met" if self.satisfied else "not met"
-        return f"Run of {self.study.name}: every requirement {verdict}, {len(self.files)} files"
+        return f"Run of {self.study.name}: {self.judgement.word}, {len(self.files)} files"
 
     def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
         own = ("the study's own", self.published, self.moves_before)
@@ -76,11 +84,16 @@ class JobResult(Summarised, Drawn):
 
     def json(self) -> dict[str, Any]:
         """Return the result in SI, units in the keys."""
+        before = self.verified_before
         values = {
+            **self.judgement.json(),
             "sweep": self.published.json(),
             "tune": {**self.tuned.json(), "sweep": self.tuned.sweep.json()},
             "linear_check": [case.json() for case in self.moves],
             "verify": self.verified.json() if self.verified else None,
+            "verify_before": before.json() if before else None,
+            "changes": [one.json() for one in self.changes],
+            "summary": in_a_sentence(self.changes),
             "chain": [link.json() for link in self.chain],
             "satisfied": self.satisfied,
             "files": [str(path) for path in self.files],

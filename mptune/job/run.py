@@ -1,4 +1,4 @@
-"""The whole job: sweep, tune, export, verify, report.
+"""The whole job: sweep, tune, export, verify before and after, report.
 
 ::
 
@@ -20,34 +20,40 @@ from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mptune.claim import claimed
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
 from mptune.job.report import draw, report
 from mptune.job.result import JobResult
 from mptune.job.tune import compared_files
 from mptune.params.gains import read_gains, write_gains
+from mptune.params.headline import Headline
 from mptune.progress import silent
-from mptune.robust.chain import chain
+from mptune.robust.chain import chain, other_reading
 from mptune.robust.encirclements import encirclements
+from mptune.robust.headline import judge
 from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep, with_radii
 from mptune.sim.sampled import linear_moves
-from mptune.tune.baselines import Baseline, baselines
+from mptune.tune.baselines import baselines
 from mptune.tune.tuner import tune
-from mptune.verify.gain_limit import machine_gain_limit
+from mptune.verify.before_after import changes
+from mptune.verify.checks import machine_checks
+from mptune.verify.gain_limit import as_verified, machine_gain_limit
 from mptune.verify.precompile import precompiling
 from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
 
 if TYPE_CHECKING:
-    from mptune.params.controller import Feedforward
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
-    from mptune.robust.chain import Link
-    from mptune.robust.result import SweepResult
     from mptune.verify.result import VerifyResult
 
-STAGES = ("sweep", "tune", "linear check", "verify", "chain", "compare", "figures", "report")
+STAGES = (
+    *("sweep", "tune", "linear check", "chain", "verify", "verify own"),
+    *("compare", "figures", "report"),
+)
+_WORTH_RUNNING = {Headline.MET, Headline.ON_PAPER}
 
 
 def run(
@@ -58,6 +64,8 @@ def run(
     compare: bool = False,
 ) -> JobResult:
     """Run the whole job: sweep, tune, export, verify on the nonlinear machine, report.
+
+    On the machine the tuned gains stand beside the study's own, with the same seeds.
 
     Parameters
     ----------
@@ -72,11 +80,39 @@ def run(
 
     Raises
     ------
+    InputError
+        If another process does the same job in the same folder.
     OutputError
         If results cannot be written.
     """
     out = Path(out)
     folder = make_folder(out / study.name)
+    with claimed(folder, "run", "a run of the whole job"):
+        result = _judged(study, folder, progress)
+        if compare:
+            progress("compare", 0.0)
+            compared = baselines(study, result.tuned, progress)
+            more = compared_files(folder, study, compared)
+            result = replace(result, compared=compared, files=(*result.files, *more))
+        return _handed_over(result, out, folder, progress)
+
+
+def _handed_over(result: JobResult, out: Path, folder: Path, progress: Progress) -> JobResult:
+    """Draw a result, write its report, and name all that was written."""
+    progress("figures", 0.0)
+    counts = encirclements(result.tuned.sweep)
+    figures, picture = draw(result, counts)
+    files = [*result.files]
+    files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
+    files.append(write_whole(out / f"{result.study.name}.png", picture))
+    progress("report", 0.0)
+    files += report(out, result, counts, figures)
+    progress("report", 1.0)
+    return replace(result, files=tuple(files))
+
+
+def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult:
+    """Tune, judge on every model, and write sweep, gains and traces."""
     with precompiling() as simulator_ready:
         progress("sweep", 0.0)
         published = sweep(study)
@@ -86,46 +122,48 @@ def run(
         progress("linear check", 0.0)
         moves_before = linear_moves(study)
         moves = linear_moves(study, tuned.gains, tuned.feedforward)
-        if tuned.sweep.satisfied:
+        progress("chain", 0.0)
+        links = chain(tuned.sweep)
+        judgement = judge(tuned.sweep.checks, links)
+        runs = judgement.word in _WORTH_RUNNING
+        if runs:
             simulator_ready()
-    exported = write_gains(
-        folder / "gains.toml", gains_file(tuned.sweep, tuned.feedforward, moves, None)
-    )
+    linear = gains_file(tuned.sweep, tuned.feedforward, moves, None, judgement)
+    exported = write_gains(folder / "gains.toml", linear)
     files = [write_sweep(folder / "sweep.nc", tuned.sweep), exported]
-    verified = None
-    if tuned.sweep.satisfied:
-        progress("verify", 0.0)
-        file = read_gains(exported, study.hash())
-        verified = verify(study, file.gains, file.feedforward, progress)
-        write_gains(exported, gains_file(tuned.sweep, tuned.feedforward, moves, verified))
+    verified, before = _verified(study, exported, progress) if runs else (None, None)
+    if verified is not None:
+        progress("chain", 0.0)
+        machine = machine_gain_limit(study, verified.gains, verified.feedforward, progress)
+        links = (*links, as_verified(machine, verified))
+        judgement = judge((*tuned.sweep.checks, *machine_checks(verified)), links)
+        whole = gains_file(tuned.sweep, tuned.feedforward, moves, verified, judgement)
+        write_gains(exported, whole)
         files.append(write_traces(folder / "traces.nc", verified))
-    links = gain_factors(tuned.sweep, tuned.feedforward, verified, progress)
-    compared: tuple[Baseline, ...] = ()
-    if compare:
-        progress("compare", 0.0)
-        compared = baselines(study, tuned, progress)
-        files += compared_files(folder, study, compared)
-    result = JobResult(study, published, tuned, moves, moves_before, verified, links, compared)
-    progress("figures", 0.0)
-    counts = encirclements(tuned.sweep)
-    figures, picture = draw(result, counts)
-    files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
-    files.append(write_whole(out / f"{study.name}.png", picture))
-    progress("report", 0.0)
-    files += report(out, result, counts, figures)
-    progress("report", 1.0)
-    return replace(result, files=tuple(files))
+    return JobResult(
+        study=study,
+        published=published,
+        tuned=tuned,
+        moves=moves,
+        moves_before=moves_before,
+        verified=verified,
+        verified_before=before,
+        chain=(*links, *other_reading(tuned.sweep)),
+        judgement=judgement,
+        changes=changes(before, verified) if before and verified else (),
+        files=tuple(files),
+    )
 
 
-def gain_factors(
-    swept: SweepResult,
-    feedforward: Feedforward,
-    verified: VerifyResult | None,
-    progress: Progress,
-) -> tuple[Link, ...]:
-    """Return the chain of the swept gains, with the nonlinear machine where it was verified."""
-    progress("chain", 0.0)
-    links = chain(swept)
-    if verified is None:
-        return links
-    return (*links, machine_gain_limit(swept.study, swept.gains, feedforward, progress))
+def _verified(
+    study: ResolvedStudy, exported: Path, progress: Progress
+) -> tuple[VerifyResult, VerifyResult]:
+    """Return the machine under exported gains, and under the study's own, which run only once."""
+    file = read_gains(exported, study.hash())
+    progress("verify", 0.0)
+    verified = verify(file.put_over(study), progress=progress)
+    own = study.study
+    if (file.gains, file.feedforward) == (own.gains, own.feedforward):
+        return verified, verified
+    progress("verify own", 0.0)
+    return verified, verify(study, progress=lambda _, share: progress("verify own", share))

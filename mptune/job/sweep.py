@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mptune.files import make_folder, write_whole
 from mptune.progress import silent
-from mptune.robust.chain import chain
+from mptune.robust.chain import chain, other_reading
 from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep, with_radii
 
@@ -27,7 +27,7 @@ def sweep_study(
 ) -> tuple[SweepResult, tuple[Link, ...], tuple[Path, ...]]:
     """Sweep one set of gains (the study's own where None), store it and draw its panels.
 
-    The linear links of the chain come with it.
+    The linear links of the chain come with it, and those of the other reading of the delays.
     """
     from mptune.figures.certificates import certified_worst_cases
     from mptune.figures.panels import four_panels
@@ -39,7 +39,7 @@ def sweep_study(
     progress("radius", 0.0)
     swept = with_radii(swept)
     progress("chain", 0.0)
-    links = chain(swept)
+    links = (*chain(swept), *other_reading(swept))
     progress("figures", 0.0)
     files = [
         write_sweep(folder / "sweep.nc", swept),

@@ -12,6 +12,7 @@ from mptune.job.gains import gains_file
 from mptune.job.leftovers import keep
 from mptune.params.gains import write_gains
 from mptune.progress import silent
+from mptune.robust.headline import judge_sweep
 from mptune.sim.sampled import linear_moves
 from mptune.tune.baselines import Baseline, baselines
 from mptune.tune.front import Front, front
@@ -21,21 +22,23 @@ from mptune.tune.tuner import tune
 if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
+    from mptune.robust.headline import Judgement
     from mptune.tune.result import TuneResult
 
 
 @dataclass(frozen=True)
 class Tuning:
-    """A tuning, and what was compared with it: empty and None where not asked for."""
+    """A tuning with its verdict, and what was compared with it: empty, None where not asked for."""
 
     tuned: TuneResult
+    judgement: Judgement
     compared: tuple[Baseline, ...]
     front: Front | None
     files: tuple[Path, ...]
 
     def json(self) -> dict[str, Any]:
         """Return the result in SI, units in the keys."""
-        values = self.tuned.json()
+        values = {**self.judgement.json(), **self.tuned.json()}
         if self.compared:
             values["compared"] = [one.json() for one in self.compared]
         if self.front is not None:
@@ -79,7 +82,8 @@ def tune_study(
     progress("tune", 0.0)
     tuned = tune(study, progress, structure=structure)
     moves = linear_moves(study, tuned.gains, tuned.feedforward)
-    file = gains_file(tuned.sweep, tuned.feedforward, moves, None)
+    judgement = judge_sweep(tuned.sweep)
+    file = gains_file(tuned.sweep, tuned.feedforward, moves, None, judgement)
     files = [write_gains(folder / "gains.toml", file)]
     compared: tuple[Baseline, ...] = ()
     if compare:
@@ -92,7 +96,7 @@ def tune_study(
         found = front(study, points, progress)
         files.append(_drawn(folder / "front.svg", found))
         files.append(keep(folder, "front", study, found.json()))
-    return Tuning(tuned, compared, found, tuple(files))
+    return Tuning(tuned, judgement, compared, found, tuple(files))
 
 
 def compared_files(

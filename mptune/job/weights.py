@@ -8,6 +8,8 @@ from typing import TYPE_CHECKING, Any
 import tomlkit
 
 from mptune.campaign.workers import workers
+from mptune.claim import claimed
+from mptune.escaping import comment_text
 from mptune.files import make_folder, write_whole
 from mptune.job.leftovers import keep
 from mptune.params.controller import Controller
@@ -20,7 +22,10 @@ if TYPE_CHECKING:
 
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
+    from mptune.weigh.recommend import Recommendation
     from mptune.weigh.result import WeightsResult
+
+_ALWAYS = Weights._fields[:6]  # the rest is written where it was searched
 
 
 def weights_study(
@@ -42,13 +47,14 @@ def weights_study(
     Raises
     ------
     InputError
-        If optuna is missing, or storage, sampler or scheduler cannot be used.
+        If optuna is missing, storage, sampler or scheduler cannot be used, or another process
+        searches weights in the same folder.
     """
     from mptune.figures.style import to_svg
     from mptune.figures.weights import weights_figure
 
     folder = make_folder(Path(out) / study.name)
-    with workers(count, scheduler) as team:
+    with claimed(folder, "weights", "a search of weights"), workers(count, scheduler) as team:
         result = search_weights(
             study,
             team,
@@ -80,18 +86,26 @@ def _rows(result: WeightsResult) -> list[dict[str, Any]]:
     ]
 
 
+def _changed(found: Recommendation, name: str) -> bool:
+    """Return whether the recommended value is another than the study's own."""
+    return bool(getattr(found.trial.weights, name) != getattr(found.own.weights, name))
+
+
 def _section(result: WeightsResult) -> str:
     """Return the recommended weights as they stand in a study."""
     found = result.recommendation
     document = tomlkit.document()
     verdict = "dominate" if found.dominates else "do not dominate"
-    document.add(tomlkit.comment(f"Weights for {result.study.name}; they {verdict} its own:"))
-    document.add(tomlkit.comment(found.reason))
+    document.add(
+        tomlkit.comment(comment_text(f"Weights for {result.study.name}; they {verdict} its own:"))
+    )
+    document.add(tomlkit.comment(comment_text(found.reason)))
     document.add(tomlkit.comment("Gains belong to their weights: sweep or tune again with these."))
     table = tomlkit.table()
     for name, unit, symbol, meaning in Controller.quantities():
-        if name in Weights._fields:
-            item = tomlkit.item(f"{getattr(found.trial.weights, name):.6g} {unit}")
+        if name in Weights._fields and (name in _ALWAYS or _changed(found, name)):
+            value = getattr(found.trial.weights, name)
+            item = tomlkit.item(value if unit == "1" else f"{value:.6g} {unit}")
             item.comment(f"{symbol}, {meaning}")
             table.add(name, item)
     document.add("controller", table)

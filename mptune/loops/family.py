@@ -66,29 +66,40 @@ def derived_time_constants(study: ResolvedStudy) -> tuple[Range, Range]:
     return (float(tau_a.min()), float(tau_a.max())), (float(tau_b.min()), float(tau_b.max()))
 
 
-def ranges_of(study: ResolvedStudy) -> tuple[Range, Range, Range, Range]:
+def ranges_of(study: ResolvedStudy, *, explicit: bool = False) -> tuple[Range, Range, Range, Range]:
     """Return the ranges of mass [kg], total delay, τ_A and τ_B [s] of the study's uncertainty set.
 
-    Time constants that the study leaves to be derived are ``derived_time_constants``.
+    The delay is the lumped one, or that beside an explicit path. Time constants that the study
+    leaves to be derived are ``derived_time_constants``.
     """
     box: UncertaintySet = study.uncertainty
     derived_a, derived_b = derived_time_constants(study)
     tau_a = derived_a if isinstance(box.tau_a, str) else box.tau_a
     tau_b = derived_b if isinstance(box.tau_b, str) else box.tau_b
-    return box.mass, box.delay, tau_a, tau_b
+    return box.mass, box.explicit_delay if explicit else box.lumped_delay, tau_a, tau_b
 
 
-def plants_of(study: ResolvedStudy) -> Plants:
-    """Return the grid mass × delay × τ_A × τ_B of the study's uncertainty set, ``(N,)`` each."""
-    mass, delay, *lags = ranges_of(study)
+def plants_of(study: ResolvedStudy, *, explicit: bool = False) -> Plants:
+    """Return the grid mass × delay × τ_A × τ_B of the study's uncertainty set, ``(N,)`` each.
+
+    The delay is the lumped one, or that beside an explicit path: plant by plant both grids are the
+    same machine, each delay at the same share of its range.
+    """
+    mass, delay, *lags = ranges_of(study, explicit=explicit)
     points = study.uncertainty.points
     crossover = study.study.gains.k_p_vel / study.uncertainty.nominal_mass
-    axes = [np.linspace(*mass, points), np.linspace(*delay, points)]
+    wide = any(low < high for low, high in _delays(study))
+    axes = [np.linspace(*mass, points), np.linspace(*delay, points if wide else 1)]
     axes += [_lags(pair, points, crossover) for pair in lags]
-    axes = [np.unique(axis) for axis in axes]  # a range without width is one point
+    # A range without width is one point; of delays only where both have none.
+    axes = [axis if place == 1 else np.unique(axis) for place, axis in enumerate(axes)]
     mesh = [np.ascontiguousarray(axis.ravel()) for axis in np.meshgrid(*axes, indexing="ij")]
     share_a = np.full(len(mesh[0]), study.study.cylinder.share_a)
     return Plants(*(*mesh, share_a))
+
+
+def _delays(study: ResolvedStudy) -> tuple[Range, Range]:
+    return study.uncertainty.lumped_delay, study.uncertainty.explicit_delay
 
 
 def _lags(pair: Range, points: int, crossover: float) -> FloatArray:

@@ -12,13 +12,14 @@ high side.
 from __future__ import annotations
 
 import math
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mptune.signals.conditioning import filter_response
 from mptune.signals.differentiator import differentiator_over_s
-from mptune.signals.estimator import Heard, heard
+from mptune.signals.estimator import heard
 
 if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray
@@ -34,38 +35,51 @@ def noise_gram(tau: float, path: MeasurementPath) -> FloatArray:
     c = (1, K_P, 2ξK_P/ω, K_P/ω²) are the factors of Eq. 23 and of the three terms of Eq. 22's
     first numerator, all over (τs + 1)².
     """
-    s = _frequencies(path)
-    if path.estimator_mass > 0:
-        known = _heard(s, path)
-        return _gram(tau, s, known.place_of_place, known.speed_of_place)
-    place = filter_response(s, path.sample_time, path.filter_pole)
-    return _gram(tau, s, place, place * s * differentiator_over_s(s, path.sample_time))  # Eq. 23
+    return _gram(tau, path, of_force=False)
 
 
 def pressure_gram(tau: float, path: MeasurementPath) -> FloatArray:
     """Return the same of noise of the force that both pressures make [N]; zero with filters."""
     if path.estimator_mass == 0:
         return np.zeros((4, 4))
-    s = _frequencies(path)
-    known = _heard(s, path)
-    return _gram(tau, s, known.place_of_force, known.speed_of_force)
+    return _gram(tau, path, of_force=True)
 
 
-def _frequencies(path: MeasurementPath) -> ComplexArray:
-    half_rate = np.pi / path.sample_time
-    return np.asarray(1j * np.geomspace(_LOWEST * half_rate, half_rate, _POINTS))
-
-
-def _heard(s: ComplexArray, path: MeasurementPath) -> Heard:
-    columns = zip(*(heard(one, path) for one in s), strict=True)
-    return Heard(*(np.array(column) for column in columns))
-
-
-def _gram(tau: float, s: ComplexArray, place: ComplexArray, speed: ComplexArray) -> FloatArray:
+def _gram(tau: float, path: MeasurementPath, *, of_force: bool) -> FloatArray:
+    s, place, speed, weight = _fixed_parts(path, of_force=of_force)
     shape = place / (tau * s + 1) ** 2  # Eq. 22, first denominator
     parts = np.stack([speed, shape, s * shape, s * s * shape])
-    products = (parts[:, None, :] * parts[None, :, :].conj()).real
-    return np.asarray(np.trapezoid(products, s.imag, axis=-1) / s[-1].imag)
+    return np.asarray(((parts * weight) @ parts.conj().T).real)
+
+
+@lru_cache(maxsize=16)
+def _fixed_parts(
+    path: MeasurementPath, *, of_force: bool
+) -> tuple[ComplexArray, ComplexArray, ComplexArray, FloatArray]:
+    """Return s, place and velocity as heard, and the weights of the integral, ``(F,)`` each."""
+    half_rate = np.pi / path.sample_time
+    omega = np.geomspace(_LOWEST * half_rate, half_rate, _POINTS)
+    s = np.asarray(1j * omega, np.complex128)
+    place, speed = _heard(s, path, of_force=of_force)
+    steps = np.diff(omega, prepend=omega[0], append=omega[-1])
+    weight = 0.5 * (steps[1:] + steps[:-1]) / half_rate  # the trapezoidal rule's
+    return s, place, speed, weight
+
+
+def _heard(
+    s: ComplexArray, path: MeasurementPath, *, of_force: bool
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return position and velocity that the controller hears per noise of position or force."""
+    if path.estimator_mass == 0:
+        place = filter_response(s, path.sample_time, path.filter_pole)
+        return place, place * s * differentiator_over_s(s, path.sample_time)  # Eq. 23
+    known = [heard(one, path) for one in s]
+    if of_force:
+        pairs = [(one.place_of_force, one.speed_of_force) for one in known]
+    else:
+        pairs = [(one.place_of_place, one.speed_of_place) for one in known]
+    place, speed = np.array(pairs, np.complex128).T
+    return place, speed
 
 
 def noise_gain(gains: LoopGains, path: MeasurementPath) -> float:

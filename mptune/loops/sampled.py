@@ -37,6 +37,7 @@ if TYPE_CHECKING:
     from mptune.params.packed import LoopGains, MeasurementPath, Plant, Plants
 
 _UNIT_CIRCLE = 1e-9  # a multiplier nearer to the circle than this is undecided
+_COMPANIONS = 8_000_000  # numbers of companion matrices held at a time, 64 MB
 _QUARTIC = 4  # degree of the plant's denominator in w
 _EXTRA = 5  # older samples that Eq. 23 reaches back to
 _ADJUGATE = 2  # degree in w of adj(I − Mⁿ w)
@@ -292,10 +293,15 @@ def multipliers(loops: FamilyLoops, period: float) -> ComplexArray:
     """
     polynomials = _characteristics(loops.plants, loops.gains, loops.path, period)
     count, order = polynomials.shape[0], polynomials.shape[1] - 1
-    companion = np.zeros((count, order, order))
-    companion[:, 0, :] = -polynomials[:, 1:]
-    companion[:, np.arange(1, order), np.arange(order - 1)] = 1.0
-    return np.asarray(np.linalg.eigvals(companion), np.complex128)
+    at_once = max(_COMPANIONS // order**2, 1)
+    found = np.empty((count, order), np.complex128)
+    for first in range(0, count, at_once):
+        some = polynomials[first : first + at_once]
+        companion = np.zeros((len(some), order, order))
+        companion[:, 0, :] = -some[:, 1:]
+        companion[:, np.arange(1, order), np.arange(order - 1)] = 1.0
+        found[first : first + at_once] = np.linalg.eigvals(companion)
+    return found
 
 
 def stable_as_sampled(loops: FamilyLoops, period: float) -> tuple[BoolArray, BoolArray]:

@@ -36,31 +36,47 @@ class Campaign(Section):
     method: Literal["monte carlo", "sobol", "grid"] = Field(
         "monte carlo", description="independent draws, scrambled Sobol' points, or a full grid"
     )
-    runs: int | None = quantity("1", "N", "runs, but of a grid; 1000", None, at_least=1)
+    runs: int | None = quantity(
+        "1", "N", "runs, but of a grid; 1000", None, at_least=1, at_most=100_000_000
+    )
     points: int | None = quantity(
         "1", "n", "grid points per parameter that varies; 3", None, at_least=2, at_most=101
     )
-    seed: int = quantity("1", "seed", "seed of parameters and noise", 1, at_least=0)
-    sets: int = quantity("1", "n", "movement sets per run; of several, the first is left out", 1,
-                         at_least=1)  # fmt: skip
-    chunk: int = quantity("1", "n_c", "runs per chunk file", 100, at_least=1)
-    mass: Range | None = quantity("kg", "m", "effective inertia", None, above=0)
-    valve_delay: Range | None = quantity(
-        "s", "d_v", "valve delay, opening ramp included", None, at_least=0
+    seed: int = quantity(
+        "1", "seed", "seed of parameters and noise", 1, at_least=0, at_most=2**63 - 1
     )
-    oil_bulk_modulus: Range | None = quantity("Pa", "B_oil", "oil bulk modulus", None, above=0)
-    load_force: Range | None = quantity("N", "F_load", "load force", None)
+    sets: int = quantity(
+        "1", "n", "movement sets per run; of several, the first is left out", 1,
+        at_least=1, at_most=100_000,
+    )  # fmt: skip
+    chunk: int = quantity("1", "n_c", "runs per chunk file", 100, at_least=1, at_most=1_000_000)
+    mass: Range | None = quantity("kg", "m", "effective inertia", None, at_least=10, at_most=1e7)
+    valve_delay: Range | None = quantity(
+        "s", "d_v", "valve delay, opening ramp included", None, at_least=0, at_most=1
+    )
+    oil_bulk_modulus: Range | None = quantity(
+        "Pa", "B_oil", "oil bulk modulus", None, at_least=1e7, at_most=1e11
+    )
+    load_force: Range | None = quantity(
+        "N", "F_load", "load force", None, at_least=-1e9, at_most=1e9
+    )
     friction: Range = quantity(
         "1", "s_μ", "factor of Coulomb friction, stiction and viscous friction", (1.0, 1.0),
-        at_least=0,
+        at_least=0, at_most=1e3,
     )  # fmt: skip
     temperature: Range = quantity(
         "K", "T", "oil temperature; 313.15 K, 40 °C, changes nothing", (313.15, 313.15),
         at_least=250, at_most=400,
     )  # fmt: skip
-    noise: Range = quantity("1", "s_n", "factor of every sensor's noise", (1.0, 1.0), at_least=0)
-    distance: Range = quantity("1", "s_A", "factor of every move's length", (1.0, 1.0), above=0)
-    duration: Range = quantity("1", "s_T", "factor of every move's time", (1.0, 1.0), above=0)
+    noise: Range = quantity(
+        "1", "s_n", "factor of every sensor's noise", (1.0, 1.0), at_least=0, at_most=1e6
+    )
+    distance: Range = quantity(
+        "1", "s_A", "factor of every move's length", (1.0, 1.0), at_least=1e-6, at_most=1e3
+    )
+    duration: Range = quantity(
+        "1", "s_T", "factor of every move's time", (1.0, 1.0), at_least=1e-3, at_most=1e3
+    )
     limits: CampaignLimits = CampaignLimits()
     failure_probability: float | None = quantity(
         "1", "ε", "failure probability that must be undercut", None, above=0, at_most=1

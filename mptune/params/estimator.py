@@ -25,10 +25,12 @@ class Estimator(Section):
     kind: Literal["filters", "state"] = Field(
         "filters", description="median, position filter and Eq. 23, or a state estimator"
     )
-    bandwidth: float = quantity("rad/s", "ω_o", "bandwidth of the state estimator", 40.0, above=0)
+    bandwidth: float = quantity(
+        "rad/s", "ω_o", "bandwidth of the state estimator", 40.0, at_least=1, at_most=1e5
+    )
     mass: float | None = quantity(
         "kg", "m̂", "mass that the state estimator believes in; the least of the family", None,
-        above=0,
+        at_least=10, at_most=1e7,
     )  # fmt: skip
     reference_injection: bool = Field(
         default=False,

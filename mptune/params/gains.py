@@ -1,7 +1,9 @@
 """Gains files: the gains in SI, the study they belong to, and what is known of them.
 
 ``gains.toml`` is what the bundled controller reads. It refuses a file whose margins are not
-satisfied, unless told otherwise, and one that belongs to another model.
+satisfied, unless told otherwise. What a tuner may choose stands in it, a table for each section of
+``CHOSEN``, and takes the place of what the study says. To judge the same controller elsewhere is
+allowed: what differs from the model that it was made for is said.
 """
 
 from __future__ import annotations
@@ -11,7 +13,7 @@ import hashlib
 import importlib.metadata
 import json
 from pathlib import Path
-from typing import Any, Literal
+from typing import TYPE_CHECKING, Any, Literal
 
 import tomlkit
 from pydantic import Field, ValidationError
@@ -20,9 +22,15 @@ from mptune.errors import Fault, InputError
 from mptune.files import read_text, write_whole
 from mptune.params.controller import Feedforward, Gains
 from mptune.params.format import FORMAT_KEY, GAINS_FORMAT
+from mptune.params.headline import Headline
+from mptune.params.judged_on import Difference, differences, refuse_other_controller
 from mptune.params.load import faults_of, parse_toml
 from mptune.params.section import Section
+from mptune.params.study import CHOSEN
 from mptune.summary import Summarised
+
+if TYPE_CHECKING:
+    from mptune.params.study import ResolvedStudy
 
 _MISSING_FILE = "check the path, or let `mptune tune STUDY` write it"
 _MISSING_KEY = "tune or export it again"  # nobody writes a gains file by hand
@@ -43,16 +51,38 @@ class GainsFile(Summarised, Section):
     uncertainty: str = Field("", description="name of the uncertainty set; empty for the default")
     version: str = Field(description="version of mptune that wrote the file")
     date: str = Field(description="when it was written, UTC")
-    margins: Verdict = Field(description="verdict on the requirements of Eq. 17 and 21 and others")
+    verdict: Headline | Literal[""] = Field(
+        "", description="how the gains came out; empty in files that do not say"
+    )
+    reason: str = Field("", description="what that verdict rests on")
+    margins: Verdict = Field(description="satisfied where the verdict is met, else violated")
     closed_loop: Verdict = Field(description="verdict on the closed loop in time")
     gains: Gains
     feedforward: Feedforward
     figures: dict[str, dict[str, Any]]
+    judged_on: dict[str, Any] = Field(
+        default_factory=dict, description="the SI model that the verdicts hold for, by dotted key"
+    )
 
     @property
     def headline(self) -> str:
         """Study and verdicts."""
-        return f"Gains of {self.study}: margins {self.margins}, closed loop {self.closed_loop}"
+        return f"Gains of {self.study}: {self.verdicts}"
+
+    @property
+    def verdicts(self) -> str:
+        """All that the file says of how the gains came out."""
+        stated = f"{self.verdict}; " if self.verdict else ""
+        return f"{stated}margins {self.margins}, closed loop {self.closed_loop}"
+
+    @property
+    def chosen(self) -> dict[str, Section]:
+        """The sections that a tuner may choose, by name."""
+        return {name: getattr(self, name) for name in CHOSEN}
+
+    def put_over(self, study: ResolvedStudy) -> ResolvedStudy:
+        """Return a study with what this file says in the place of its own."""
+        return study.model_copy(update={"study": study.study.model_copy(update=self.chosen)})
 
     def content_hash(self) -> str:
         """Return the hash of all that the file says; it stands in the file as well."""
@@ -91,9 +121,8 @@ def write_gains(path: str | Path, gains: GainsFile) -> Path:
     values = gains.model_dump() | {"content_hash": gains.content_hash()}
     for key, value in values.items():
         if not isinstance(value, dict):
-            document.add(key, value)
-    for section in (gains.gains, gains.feedforward):
-        name = type(section).__name__.lower()
+            document.add(key, str(value))  # a verdict is a word of its own kind
+    for name, section in gains.chosen.items():
         table = tomlkit.table()
         for key, unit, symbol, meaning in section.quantities():
             item = tomlkit.item(getattr(section, key))
@@ -103,7 +132,8 @@ def write_gains(path: str | Path, gains: GainsFile) -> Path:
             if key not in table:
                 table.add(key, getattr(section, key))  # a switch
         document.add(name, table)
-    document.add("figures", values["figures"])
+    for key in ("figures", "judged_on"):
+        document.add(key, values[key])
     return write_whole(path, tomlkit.dumps(document))
 
 
@@ -150,8 +180,53 @@ def read_gains(path: str | Path, study_hash: str = "") -> GainsFile:
     return gains
 
 
+def gains_for(study: ResolvedStudy, path: str | Path) -> tuple[GainsFile, tuple[Difference, ...]]:
+    """Read a gains file to judge it on a study, with what differs from the model it was made for.
+
+    Parameters
+    ----------
+    study
+        The study: the same controller, on any grid, set, box or machine.
+    path
+        The file.
+
+    Raises
+    ------
+    InputError
+        As ``read_gains``; where the controllers differ, or an early file does not say what it was
+        made for and the model is another.
+    """
+    file = read_gains(path)
+    if file.study_hash == study.hash():
+        return file, ()
+    if not file.judged_on:
+        read_gains(path, study.hash())  # refuses it
+    found = differences(file.judged_on, study)
+    refuse_other_controller(path, found)
+    return file, found
+
+
+def accept_margins(path: str | Path, gains: GainsFile, *, force: bool = False) -> None:
+    """Refuse gains as a controller does: where their margins are not satisfied, unless told.
+
+    Raises
+    ------
+    InputError
+        If the margins are not satisfied and ``force`` is False.
+    """
+    if gains.margins != "satisfied" and not force:
+        said = f" ({gains.verdict}: {gains.reason})" if gains.verdict else ""
+        fault = Fault(
+            "margins",
+            gains.margins,
+            f"is no verdict that the controller accepts{said}",
+            "tune again, or insist with --force",
+        )
+        raise InputError(path, fault)
+
+
 def accepted_gains(path: str | Path, study_hash: str, *, force: bool = False) -> GainsFile:
-    """Read a gains file as a controller does: with satisfied margins, or on insistence.
+    """Read a gains file as a controller does: of this model, with satisfied margins unless told.
 
     Raises
     ------
@@ -159,12 +234,5 @@ def accepted_gains(path: str | Path, study_hash: str, *, force: bool = False) ->
         As ``read_gains``, and where the margins are not satisfied and ``force`` is False.
     """
     gains = read_gains(path, study_hash)
-    if gains.margins != "satisfied" and not force:
-        fault = Fault(
-            "margins",
-            gains.margins,
-            "is no verdict that the controller accepts",
-            "tune again, or insist with --force",
-        )
-        raise InputError(path, fault)
+    accept_margins(path, gains, force=force)
     return gains

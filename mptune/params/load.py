@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import difflib
 import os
+import reprlib
 import tomllib
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,7 +12,10 @@ from typing import TYPE_CHECKING, Any
 from pydantic import BaseModel, ValidationError
 
 from mptune.errors import Fault, InputError
+from mptune.escaping import file_name
 from mptune.files import read_text
+from mptune.params.coherence import doubts_of, refusals_of
+from mptune.params.extent import faults_of_extent
 from mptune.params.format import FORMAT_KEY, STUDY_FORMAT
 from mptune.params.layers import Layers
 from mptune.params.measured import read_measured
@@ -23,9 +27,17 @@ if TYPE_CHECKING:
 
     from pydantic_core import ErrorDetails
 
+    from mptune.params.uncertainty import UncertaintySet
+
 _BASE = "base"
 _OF_A_FILE = (FORMAT_KEY, _BASE)
 _REMEDY = "check the path, or start a study with `mptune new NAME`"
+
+_DEEPEST = 16  # tables and lists within one another; studies have 5
+_MOST_FAULTS = 8  # of a file, in words; the rest is counted
+_TOO_LARGE = "is a whole number beyond 64 bits", "write a smaller one, or one with a point"
+_BRIEF = reprlib.Repr()
+_BRIEF.maxstring = _BRIEF.maxother = _BRIEF.maxlong = 90
 
 
 def load_study(
@@ -46,8 +58,9 @@ def load_study(
     Raises
     ------
     InputError
-        If a file cannot be read, is based on itself, or any value breaks a rule. It names the file
-        that the value was written in.
+        If a file cannot be read, is based on itself, any value breaks a rule, or values that are
+        right by themselves cannot be simulated together. It names the file that the value was
+        written in. What is merely doubtful the study carries, see ``ResolvedStudy.doubts``.
     """
     path = Path(path)
     layers = _layers(path)
@@ -64,18 +77,36 @@ def load_study(
         known = ", ".join(sorted(study.uncertainty.sets)) or "none"
         fault = Fault("uncertainty.sets", uncertainty, "is not among the sets", f"known: {known}")
         raise InputError(path, fault)
-    chosen = study.uncertainty.chosen(uncertainty)
+    chosen = study.uncertainty.chosen(uncertainty).with_delays(study.summed_delay)
+    written = frozenset(study.verification.model_fields_set)
+    study = _with_machines(study, chosen)
+    impossible = refusals_of(study, written)
+    if impossible:
+        raise layers.refusal(*impossible)
     half = study.controller.sampling_period / 2
-    if study.objective.tracking_loop == "sampled" and chosen.delay[0] < half:
+    if study.objective.runs and chosen.explicit_delay[0] < half:
         rule = f"has no hold to run with in a total delay below half a sampling period, {half:g} s"
-        remedy = "raise uncertainty.delay, which holds that half, or write continuous"
-        raise layers.refusal(Fault("objective.tracking_loop", "sampled", rule, remedy))
-    return ResolvedStudy(
-        name=path.resolve().parent.name if path.stem == "study" else path.stem,
+        remedy = "raise uncertainty.delay_as_it_runs, which holds that half, or write continuous"
+        sampled = study.objective.tracking_loop == "sampled"
+        key, value = ("tracking_loop", "sampled") if sampled else ("kind", "robustness")
+        raise layers.refusal(Fault(f"objective.{key}", value, rule, remedy))
+    resolved = ResolvedStudy(
+        name=file_name(path.resolve().parent.name if path.stem == "study" else path.stem),
         study=study,
         uncertainty=chosen,
         uncertainty_name=uncertainty,
     )
+    if faults := list(faults_of_extent(resolved)):
+        raise layers.refusal(*faults)
+    return resolved.model_copy(update={"doubts": doubts_of(resolved)})
+
+
+def _with_machines(study: Study, chosen: UncertaintySet) -> Study:
+    """Return the study with the machines that its ``[verification]`` leaves to its ranges."""
+    verification = study.verification.filled(
+        chosen.mass, study.valves.delay, study.oil.bulk_modulus, study.load.force
+    )
+    return study.model_copy(update={"verification": verification})
 
 
 def _layers(path: Path) -> Layers:
@@ -129,13 +160,35 @@ def parse_toml(path: Path, text: str) -> dict[str, Any]:
         If the text is not TOML: a truncated file, say.
     """
     try:
-        return tomllib.loads(text)
+        values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
         fault = Fault("", "", f"is not valid TOML: {error}", "mend that line")
         raise InputError(path, fault) from error
     except RecursionError as error:
         fault = Fault("", "", "is not usable TOML: nested too deeply", "mend its brackets")
         raise InputError(path, fault) from error
+    except ValueError as error:  # a number of thousands of digits
+        raise InputError(path, Fault("", "", *_TOO_LARGE)) from error
+    _check_measure(path, values)
+    return values
+
+
+def _check_measure(where: object, values: dict[str, Any]) -> None:
+    """Refuse what is nested deeper than any study, and whole numbers beyond TOML's 64 bits."""
+    levels: list[tuple[str, Any]] = [*values.items()]
+    for _ in range(_DEEPEST):
+        below: list[tuple[str, Any]] = []
+        for key, value in levels:
+            if isinstance(value, dict):
+                below += [(f"{key}.{name}", inner) for name, inner in value.items()]
+            elif isinstance(value, list):
+                below += [(key, inner) for inner in value]
+            elif isinstance(value, int) and not -(2**63) <= value < 2**63:
+                raise InputError(where, Fault(key, "", *_TOO_LARGE))
+        levels = below
+        if not levels:
+            return
+    raise InputError(where, Fault(levels[0][0], "", "is nested too deeply", "mend its brackets"))
 
 
 def faults_of(
@@ -145,11 +198,16 @@ def faults_of(
 
     The ``remedy`` says what to do about a key that is missing.
     """
-    faults: dict[str, Fault] = {}
-    for detail in error.errors():
-        key = _key(detail["loc"])
-        faults.setdefault(key, _fault(key, detail, model, remedy))
-    return list(faults.values())
+    details: dict[str, ErrorDetails] = {}
+    for detail in error.errors(include_url=False):
+        details.setdefault(_key(detail["loc"]), detail)
+    faults = [
+        _fault(key, detail, model, remedy) for key, detail in [*details.items()][:_MOST_FAULTS]
+    ]
+    if len(faults) < len(details):
+        rule = f"has {len(details)} faults, of which these are the first"
+        return [Fault("", "", rule, "mend them first"), *faults]
+    return faults
 
 
 def _key(location: tuple[int | str, ...]) -> str:
@@ -167,7 +225,7 @@ def _names_a_type(part: str) -> bool:
 
 def _fault(key: str, detail: ErrorDetails, model: type[BaseModel], remedy: str) -> Fault:
     kind, context = detail["type"], detail.get("ctx") or {}
-    value = "" if isinstance(detail["input"], dict) else repr(detail["input"])
+    value = "" if isinstance(detail["input"], dict) else _BRIEF.repr(detail["input"])
     if kind == "refused":
         return Fault(key, value, context["rule"], context["remedy"])
     if kind == "missing":
@@ -201,10 +259,21 @@ def _key_and_value(override: str) -> tuple[list[str], Any]:
     if not separator or not all(parts):
         fault = Fault("", repr(override), "is not key=value", 'write --set "load.force=5 kN"')
         raise InputError("--set", fault)
+    if override.encode(errors="replace").decode() != override:
+        raise InputError("--set", Fault("", ascii(override), "is not UTF-8", "write it anew"))
     try:
         parsed = tomllib.loads(f"value = {text}")
+    except RecursionError as error:
+        fault = Fault(key.strip(), "", "is nested too deeply", "mend its brackets")
+        raise InputError("--set", fault) from error
     except tomllib.TOMLDecodeError:
         parsed = {"value": text.strip()}  # a bare quantity: "controller.sampling_period=12 ms"
+    except ValueError as error:  # a number of thousands of digits
+        raise InputError("--set", Fault(key.strip(), "", *_TOO_LARGE)) from error
+    if len(parts) > _DEEPEST:
+        fault = Fault(key.strip(), "", "is nested too deeply", "shorten it")
+        raise InputError("--set", fault)
+    _check_measure("--set", parsed)
     if set(parsed) != {"value"}:
         fault = Fault(key.strip(), "", "is given more than one value", "repeat --set for each key")
         raise InputError("--set", fault)

@@ -3,21 +3,25 @@
 from __future__ import annotations
 
 import math
+from itertools import pairwise
 from typing import Self
 
 from pydantic import Field, model_validator
 
 from mptune.params.section import Range, Section, quantity, refuse
 
+FEWEST_ROWS = 2
+"""Of a boom's table."""
+
 
 class Cylinder(Section):
     """The main cylinder. Side A is the piston side, side B the rod side."""
 
-    bore: float = quantity("m", "D", "bore diameter", above=0)
-    rod: float = quantity("m", "D_r", "rod diameter", at_least=0)
-    stroke: float = quantity("m", "x_max", "stroke", above=0)
-    dead_volume_a: float = quantity("m^3", "V_0,A", "dead volume, A-side", at_least=0)
-    dead_volume_b: float = quantity("m^3", "V_0,B", "dead volume, B-side", at_least=0)
+    bore: float = quantity("m", "D", "bore diameter", at_least=5e-3, at_most=5)
+    rod: float = quantity("m", "D_r", "rod diameter", at_least=0, at_most=5)
+    stroke: float = quantity("m", "x_max", "stroke", at_least=0.01, at_most=50)
+    dead_volume_a: float = quantity("m^3", "V_0,A", "dead volume, A-side", at_least=0, at_most=10)
+    dead_volume_b: float = quantity("m^3", "V_0,B", "dead volume, B-side", at_least=0, at_most=10)
 
     @model_validator(mode="after")
     def _rod_fits(self) -> Self:
@@ -47,8 +51,12 @@ class Cylinder(Section):
 class Oil(Section):
     """The oil's bulk modulus, as it may be and as the controller believes it."""
 
-    bulk_modulus: Range = quantity("Pa", "B_oil", "bulk modulus of the oil", above=0)
-    bulk_modulus_estimate: float = quantity("Pa", "B̂_oil", "estimate of B_oil", above=0)
+    bulk_modulus: Range = quantity(
+        "Pa", "B_oil", "bulk modulus of the oil", at_least=1e7, at_most=1e11
+    )
+    bulk_modulus_estimate: float = quantity(
+        "Pa", "B̂_oil", "estimate of B_oil", at_least=1e7, at_most=1e11
+    )
 
     @model_validator(mode="after")
     def _estimate_is_above(self) -> Self:
@@ -65,16 +73,20 @@ class Oil(Section):
 class Hose(Section):
     """The hoses between the valves and the two chambers."""
 
-    diameter: float = quantity("m", "D_h", "inner diameter", above=0)
-    length_a: float = quantity("m", "L_h,A", "length, A-side", at_least=0)
-    length_b: float = quantity("m", "L_h,B", "length, B-side", at_least=0)
-    bulk_modulus: float = quantity("Pa", "B_h", "bulk modulus of the hose", above=0)
+    diameter: float = quantity("m", "D_h", "inner diameter", at_least=1e-3, at_most=1)
+    length_a: float = quantity("m", "L_h,A", "length, A-side", at_least=0, at_most=1e3)
+    length_b: float = quantity("m", "L_h,B", "length, B-side", at_least=0, at_most=1e3)
+    bulk_modulus: float = quantity(
+        "Pa", "B_h", "bulk modulus of the hose", at_least=1e6, at_most=1e14
+    )
     dynamics: bool = Field(
         default=False,
         description="simulate the hoses as lines with inertia, the valves at their far end",
     )
-    oil_density: float = quantity("kg/m^3", "ρ", "density of the oil", 870.0, above=0)
-    oil_viscosity: float = quantity("Pa s", "μ", "dynamic viscosity", 0.04, at_least=0)
+    oil_density: float = quantity(
+        "kg/m^3", "ρ", "density of the oil", 870.0, at_least=100, at_most=5e3
+    )
+    oil_viscosity: float = quantity("Pa s", "μ", "dynamic viscosity", 0.04, at_least=0, at_most=100)
 
     @property
     def volume_a(self) -> float:
@@ -91,13 +103,19 @@ class Valves(Section):
     """The on/off valves, all alike."""
 
     flow_coefficient: float = quantity(
-        "m^3/(s Pa^0.5)", "K_v", "flow coefficient of one valve", above=0
+        "m^3/(s Pa^0.5)", "K_v", "flow coefficient of one valve", at_least=1e-12, at_most=1e-2
     )
-    delay: Range = quantity("s", "d_v", "valve delay, opening ramp included", at_least=0)
-    ramp: float = quantity("s", "r_v", "opening ramp, part of the valve delay", above=0)
-    computation_delay: Range = quantity("s", "d_c", "computational delay", at_least=0)
+    delay: Range = quantity("s", "d_v", "valve delay, opening ramp included", at_least=0, at_most=1)
+    ramp: float = quantity(
+        "s", "r_v", "opening ramp, part of the valve delay", at_least=1e-5, at_most=1
+    )
+    computation_delay: Range = quantity("s", "d_c", "computational delay", at_least=0, at_most=1)
     transition_pressure: float = quantity(
-        "Pa", "p_tr", "pressure difference below which the orifice is smoothed", above=0
+        "Pa",
+        "p_tr",
+        "pressure difference below which the orifice is smoothed",
+        at_least=1,
+        at_most=1e8,
     )
 
     @model_validator(mode="after")
@@ -110,20 +128,44 @@ class Valves(Section):
 class Supplies(Section):
     """The six supply pressures, made from one accumulator by four converter cylinders."""
 
-    low_pressure: float = quantity("Pa", "p_LP", "pressure of the tank-side line", at_least=0)
-    high_pressure: float = quantity("Pa", "p_HP", "nominal highest pressure", above=0)
-    pump_on: float = quantity("Pa", "p_on", "pressure at which the pump starts", above=0)
-    pump_off: float = quantity("Pa", "p_off", "pressure at which the pump stops", above=0)
-    pump_flow: float = quantity("m^3/s", "Q_pump", "flow of the pump", above=0)
-    relief_pressure: float = quantity("Pa", "p_rel", "opening pressure of the relief", above=0)
-    accumulator_volume: float = quantity("m^3", "V_acc", "accumulator volume", above=0)
-    accumulator_precharge: float = quantity("Pa", "p_pre", "gas precharge", above=0)
-    accumulator_exponent: float = quantity("1", "n", "polytropic exponent of the gas", at_least=1)
-    converter_area: float = quantity("m^2", "A_conv", "converter piston area", above=0)
-    converter_travel: float = quantity(
-        "m", "x_conv", "converter piston travel from the centre to an end", above=0
+    low_pressure: float = quantity(
+        "Pa", "p_LP", "pressure of the tank-side line", at_least=0, at_most=1e9
     )
-    converter_friction: float = quantity("Pa", "p_conv", "converter friction", at_least=0)
+    high_pressure: float = quantity(
+        "Pa", "p_HP", "nominal highest pressure", at_least=1e3, at_most=1e9
+    )
+    pump_on: float = quantity(
+        "Pa", "p_on", "pressure at which the pump starts", at_least=1e3, at_most=1e9
+    )
+    pump_off: float = quantity(
+        "Pa", "p_off", "pressure at which the pump stops", at_least=1e3, at_most=1e9
+    )
+    pump_flow: float = quantity("m^3/s", "Q_pump", "flow of the pump", at_least=1e-9, at_most=10)
+    relief_pressure: float = quantity(
+        "Pa", "p_rel", "opening pressure of the relief", at_least=1e3, at_most=1e9
+    )
+    accumulator_volume: float = quantity(
+        "m^3", "V_acc", "accumulator volume", at_least=1e-6, at_most=1e3
+    )
+    accumulator_precharge: float = quantity(
+        "Pa", "p_pre", "gas precharge", at_least=1e3, at_most=1e9
+    )
+    accumulator_exponent: float = quantity(
+        "1", "n", "polytropic exponent of the gas", at_least=1, at_most=3
+    )
+    converter_area: float = quantity(
+        "m^2", "A_conv", "converter piston area", at_least=1e-6, at_most=10
+    )
+    converter_travel: float = quantity(
+        "m",
+        "x_conv",
+        "converter piston travel from the centre to an end",
+        at_least=1e-4,
+        at_most=10,
+    )
+    converter_friction: float = quantity(
+        "Pa", "p_conv", "converter friction", at_least=0, at_most=1e8
+    )
 
     @model_validator(mode="after")
     def _pressures_are_ordered(self) -> Self:
@@ -142,30 +184,65 @@ class SensorTruth(Section):
     """What is untrue about the sensors beside their noise; true by default."""
 
     pressure_gain_error_a: float = quantity(
-        "1", "ε_A", "relative gain error of the pressure sensor of side A", 0.0, above=-1
+        "1",
+        "ε_A",
+        "relative gain error of the pressure sensor of side A",
+        0.0,
+        at_least=-0.9,
+        at_most=9,
     )
     pressure_gain_error_b: float = quantity(
-        "1", "ε_B", "relative gain error of the pressure sensor of side B", 0.0, above=-1
+        "1",
+        "ε_B",
+        "relative gain error of the pressure sensor of side B",
+        0.0,
+        at_least=-0.9,
+        at_most=9,
     )
-    pressure_offset_a: float = quantity("Pa", "o_A", "offset of side A's pressure sensor", 0.0)
-    pressure_offset_b: float = quantity("Pa", "o_B", "offset of side B's pressure sensor", 0.0)
+    pressure_offset_a: float = quantity(
+        "Pa", "o_A", "offset of side A's pressure sensor", 0.0, at_least=-1e8, at_most=1e8
+    )
+    pressure_offset_b: float = quantity(
+        "Pa", "o_B", "offset of side B's pressure sensor", 0.0, at_least=-1e8, at_most=1e8
+    )
     position_hysteresis: float = quantity(
-        "m", "h_x", "hysteresis of the position sensor, as a backlash's width", 0.0, at_least=0
+        "m",
+        "h_x",
+        "hysteresis of the position sensor, as a backlash's width",
+        0.0,
+        at_least=0,
+        at_most=1,
     )
     position_resolution: float = quantity(
-        "m", "q_x", "resolution of the position sensor; 0 for none", 0.0, at_least=0
+        "m", "q_x", "resolution of the position sensor; 0 for none", 0.0, at_least=0, at_most=1
     )
 
 
 class Load(Section):
     """What the piston pushes against, apart from the inertia (which is in ``[uncertainty]``)."""
 
-    force: float = quantity("N", "F_load", "constant load force")
-    stiffness: float = quantity("N/m", "k_load", "rise of the load force with position", 0.0)
+    force: float = quantity("N", "F_load", "constant load force", at_least=-1e9, at_most=1e9)
+    stiffness: float = quantity(
+        "N/m", "k_load", "rise of the load force with position", 0.0, at_least=-1e10, at_most=1e10
+    )
     table: tuple[tuple[float, float, float], ...] = Field(
         (), description="position [m], added load force [N], factor of the inertia [–]"
     )
-    friction_coulomb: float = quantity("N", "F_C", "Coulomb friction", at_least=0)
-    friction_static: float = quantity("N", "F_S", "stiction", at_least=0)
-    friction_viscous: float = quantity("N s/m", "b", "viscous friction", at_least=0)
-    friction_velocity: float = quantity("m/s", "v_S", "Stribeck velocity", above=0)
+    friction_coulomb: float = quantity("N", "F_C", "Coulomb friction", at_least=0, at_most=1e9)
+    friction_static: float = quantity("N", "F_S", "stiction", at_least=0, at_most=1e9)
+    friction_viscous: float = quantity("N s/m", "b", "viscous friction", at_least=0, at_most=1e10)
+    friction_velocity: float = quantity(
+        "m/s", "v_S", "Stribeck velocity", at_least=1e-6, at_most=10
+    )
+
+    @model_validator(mode="after")
+    def _table_is_a_table(self) -> Self:
+        if not self.table:
+            return self
+        if len(self.table) < FEWEST_ROWS:
+            refuse(f"has a table of less than {FEWEST_ROWS} rows", "write the ends of the stroke")
+        if any(after[0] <= before[0] for before, after in pairwise(self.table)):
+            refuse("has a table whose positions do not rise", "order its rows")
+        if any(row[2] <= 0 for row in self.table):
+            refuse("has a table with an inertia that is not positive", "give factors above 0")
+        return self

@@ -25,17 +25,20 @@ before the hold of the sampled controller, to force: it holds G_F and the whole 
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import TYPE_CHECKING, Any, NamedTuple, Self
 
 import numpy as np
 from pydantic import Field, model_validator
 
 from mptune.errors import Fault, InputError
-from mptune.params.section import Section
+from mptune.headings import without_index
+from mptune.params.section import Section, refuse
 from mptune.params.table import BESIDE_STUDY, Table, read_table
 from mptune.units import UnitError, parse_quantity
 
 if TYPE_CHECKING:
+    from collections.abc import Mapping
     from pathlib import Path
 
     from mptune.arrays import ComplexArray, FloatArray
@@ -64,6 +67,15 @@ class MeasuredResponse(Section):
     phases: tuple[float, ...] = Field(
         (), description="phases as written [rad], where they go beyond half a turn"
     )
+
+    @model_validator(mode="after")
+    def _is_a_response(self) -> Self:
+        if len(self.rows) < _FEWEST_ROWS:
+            refuse(f"has less than {_FEWEST_ROWS} rows", "measure at more frequencies")
+        omega = [row[0] for row in self.rows]
+        if omega[0] <= 0 or any(after <= before for before, after in pairwise(omega)):
+            refuse("has frequencies that are not above 0, or do not rise", "order the rows")
+        return self
 
     @model_validator(mode="after")
     def _phases_fit(self) -> Self:
@@ -134,17 +146,14 @@ def read_response_table(path: Path, remedy: str = "check the path") -> ResponseT
     """
     table = read_table(path, _EXAMPLE, remedy)
     found = _columns(path, table)
-    values = {role: table.columns[index] * scale for role, (index, scale) in found.items()}
+    with np.errstate(over="ignore"):  # what becomes infinite is refused below
+        values = {role: table.columns[index] * scale for role, (index, scale) in found.items()}
     omega = values["frequency"]
     if len(omega) < _FEWEST_ROWS:
         rule = f"has {len(omega)} rows where {_FEWEST_ROWS} are needed at least"
         raise InputError(path, Fault("", "", rule, "measure at more frequencies"))
-    if "real" in values:
-        response = values["real"] + 1j * values["imaginary"]
-    else:
-        decibels = table.units[found["magnitude"][0]].lower() == "db"
-        magnitude = 10 ** (values["magnitude"] / 20) if decibels else values["magnitude"]
-        response = magnitude * np.exp(1j * values["phase"])
+    decibels = "magnitude" in found and table.units[found["magnitude"][0]].lower() == "db"
+    response = _response(values, decibels=decibels)
     coherence = values.get("coherence", np.full(len(omega), np.nan))
     phase = values.get("phase")
     if phase is not None and not np.any(np.abs(phase) > np.pi * (1 + 1e-9)):
@@ -152,6 +161,15 @@ def read_response_table(path: Path, remedy: str = "check the path") -> ResponseT
     read = ResponseTable(omega, response, coherence, phase)
     _check(path, table.lines, read)
     return read
+
+
+def _response(values: Mapping[str, FloatArray], *, decibels: bool) -> ComplexArray:
+    """Return the complex response, ``(F,)``; not finite where a number is too large for it."""
+    with np.errstate(over="ignore", invalid="ignore"):
+        if "real" in values:
+            return values["real"] + 1j * values["imaginary"]
+        magnitude = 10 ** (values["magnitude"] / 20) if decibels else values["magnitude"]
+        return np.asarray(magnitude * np.exp(1j * values["phase"]))
 
 
 def _check(path: Path, lines: tuple[int, ...], found: ResponseTable) -> None:
@@ -176,7 +194,8 @@ def _check(path: Path, lines: tuple[int, ...], found: ResponseTable) -> None:
 def _columns(path: Path, table: Table) -> dict[str, tuple[int, float]]:
     """Return place and factor of each column by its role."""
     found: dict[str, tuple[int, float]] = {}
-    for index, (label, unit) in enumerate(zip(table.labels, table.units, strict=True)):
+    for index, written in enumerate(zip(table.labels, table.units, strict=True)):
+        label, unit = without_index(*written)
         role = next((role for role, names in _NAMES.items() if label.lower() in names), "")
         if not role or role in found:
             rule = "is read already" if role else "is no column of a frequency response"

@@ -123,9 +123,11 @@ def pack_path(study: ResolvedStudy) -> MeasurementPath:
     return pack_filters(study.study.controller)
 
 
-def pack_nominal(study: ResolvedStudy) -> NominalPlant:
-    """Return the nominal plant as a kernel tuple."""
-    return NominalPlant(study.uncertainty.nominal_mass, study.uncertainty.nominal_delay)
+def pack_nominal(study: ResolvedStudy, *, explicit: bool = False) -> NominalPlant:
+    """Return the nominal plant as a kernel tuple, its delay lumped or beside an explicit path."""
+    box = study.uncertainty
+    delay = box.nominal_delay_as_it_runs if explicit else box.nominal_delay
+    return NominalPlant(box.nominal_mass, delay)
 
 
 def pack_machine(
@@ -207,6 +209,13 @@ def pack_force(study: ResolvedStudy) -> ForceSettings:
         weight_converter=controller.weight_converter,
         predicted_share={"predicted": 1.0, "present": 0.0, "mean": 0.5}[controller.converter_flow],
         delay_prediction=controller.delay_prediction,
+        error_width=controller.error_width if controller.error == "huber" else 0.0,
+        path_loss=float(controller.loss == "path"),
+        candidates=float(controller.candidates if controller.horizon == 2 else 0),
+        weight_common_mode=controller.weight_common_mode,
+        steady_state=float(controller.force_model == "steady-state"),
+        weight_compression=controller.weight_compression,
+        rest_velocity=controller.velocity_tolerance,
     )
 
 

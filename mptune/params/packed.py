@@ -140,6 +140,13 @@ class ForceSettings(NamedTuple):
     weight_converter: float
     predicted_share: float  # of Eq. 7's Q_conv: 1 predicted, 0 present, 1/2 mean
     delay_prediction: float
+    error_width: float  # N, f_0 of Huber's count; 0 counts linearly
+    path_loss: float  # 1 takes losses along Eq. 5's steps, 0 at both ends
+    candidates: float  # combinations looked at two periods ahead; 0 looks one ahead
+    weight_common_mode: float
+    steady_state: float  # 1 judges by settled pressures, 0 by those after T_S
+    weight_compression: float
+    rest_velocity: float  # m/s, below which a closed chamber counts as settled
 
 
 class StateEstimator(NamedTuple):

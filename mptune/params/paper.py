@@ -106,9 +106,12 @@ LEDGER = (
     Disagreement(
         "System delay",
         "10–14 ms in §5.1, 11–21.5 ms in Fig. 5",
-        "both, as two uncertainty sets; Fig. 5's is the default",
+        "both, as two uncertainty sets; Fig. 5's is the default in Eq. 14 to 21, §5.1's wherever "
+        "filters and sampling stand explicitly: the delay as it runs",
         "T_S/2 + valve 5–8 ms + computation 0–1 ms is 10–14 ms; the further 7.5 ms have no unique "
-        "origin (filters, most likely)",
+        "origin. That they stand for the filters is a reading, not the paper's word: beside "
+        "explicit filters they would then count twice. Counted there as well, the published gains "
+        "keep a factor of 0.87 on the gain at F_ref instead of 1.23, and some plants are unstable",
     ),
     Disagreement(
         "Main cylinder",
@@ -128,8 +131,8 @@ LEDGER = (
         "Eq. 17 and Eq. 21",
         "stability of the linear model without its measurement path",
         "the same inequalities, and beside them the true family with median, filter and Eq. 23",
-        "with the path and the published gains the worst plant of Fig. 5's set is unstable, and "
-        "the worst plant of §5.1's set keeps a gain margin of only 1.2 at F_ref",
+        "with the path and the published gains the worst plant of §5.1's set keeps a gain margin "
+        "of only 1.2 at F_ref, and that of Fig. 5's set, its delay as printed, is unstable",
     ),
     Disagreement(
         "Fig. 3",

@@ -10,6 +10,9 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mptune.errors import Fault, InputError
+from mptune.headings import without_index
+from mptune.params.machine import FEWEST_ROWS
+from mptune.params.manoeuvre import FEWEST_SAMPLES
 from mptune.params.table import BESIDE_STUDY, read_table
 from mptune.units import UnitError, parse_quantity
 
@@ -22,7 +25,6 @@ if TYPE_CHECKING:
 
 _REFERENCE = {"time": "s", "position": "m"}
 _LOAD_TABLE = {"position": "m", "force": "N", "inertia": "1"}
-_FEWEST_SAMPLES, _FEWEST_ROWS = 4, 2
 _PLAIN = {"", "1", "-"}
 
 
@@ -41,7 +43,7 @@ def read_references(layers: Layers) -> None:
     folder = layers.folder_of("manoeuvre")
     for move in manoeuvres if isinstance(manoeuvres, list) else []:
         if isinstance(move, dict) and isinstance(move.get("file"), str):
-            samples = _read(folder / move.pop("file"), _REFERENCE, _FEWEST_SAMPLES)
+            samples = _read(folder / move.pop("file"), _REFERENCE, FEWEST_SAMPLES)
             move["samples"] = samples
             move["duration"] = f"{samples[-1][0] - samples[0][0]!r} s"
 
@@ -61,7 +63,7 @@ def read_load_table(layers: Layers) -> None:
     load: Any = layers.values.get("load")
     if isinstance(load, dict) and isinstance(load.get("table"), str):
         path = layers.folder_of("load.table") / load["table"]
-        rows = _read(path, _LOAD_TABLE, _FEWEST_ROWS)
+        rows = _read(path, _LOAD_TABLE, FEWEST_ROWS)
         if any(row[2] <= 0 for row in rows):
             raise InputError(path, Fault("inertia", "", "is not positive", "give factors above 0"))
         load["table"] = rows
@@ -71,7 +73,8 @@ def _read(path: Path, columns: Mapping[str, str], fewest: int) -> list[list[floa
     """Return the rows of a file in SI, the first of its columns rising."""
     heading = ",".join(f"{name} [{unit}]" for name, unit in columns.items())
     table = read_table(path, heading, BESIDE_STUDY)
-    values = table.columns * np.array(_scales(path, table, columns, heading))[:, None]
+    with np.errstate(over="ignore"):  # what becomes infinite is refused next
+        values = table.columns * np.array(_scales(path, table, columns, heading))[:, None]
     finite = np.isfinite(values).all(axis=0)
     if not finite.all():
         line = f"line {table.lines[int(np.argmin(finite))]}"
@@ -90,15 +93,16 @@ def _read(path: Path, columns: Mapping[str, str], fewest: int) -> list[list[floa
 
 def _scales(path: Path, table: Table, columns: Mapping[str, str], heading: str) -> list[float]:
     """Return the SI values of the columns' units; "-" or nothing stands for a plain number."""
-    labels = [label.lower() for label in table.labels]
+    written = [without_index(*pair) for pair in zip(table.labels, table.units, strict=True)]
+    labels = [label.lower() for label, _ in written]
     if labels != list(columns):
         fault = Fault("header", "", f"is {','.join(table.labels)!r}", f"write {heading}")
         raise InputError(path, fault)
     scales = []
-    for label, written, unit in zip(labels, table.units, columns.values(), strict=True):
+    for (label, given), unit in zip(written, columns.values(), strict=True):
         try:
-            plain = unit == "1" and written in _PLAIN
-            scales.append(1.0 if plain else parse_quantity(f"1 {written}", unit))
+            plain = unit == "1" and given in _PLAIN
+            scales.append(1.0 if plain else parse_quantity(f"1 {given}", unit))
         except UnitError as error:
             remedy = f"{error.remedy}; a heading that would do is {heading}"
             raise InputError(path, Fault("header", label, error.rule, remedy)) from error

@@ -86,6 +86,14 @@ class Section(BaseModel):
         return _is_range(cls.model_fields[name])
 
     @classmethod
+    def bounds_of(cls, name: str) -> Range:
+        """Return the least and the largest value that a quantity may have, in SI."""
+        extra: Any = cls.model_fields[name].json_schema_extra
+        least = extra["at_least"] if extra["at_least"] is not None else extra["above"]
+        low, high = -math.inf if least is None else least, extra["at_most"]
+        return low, math.inf if high is None else high
+
+    @classmethod
     def quantities(cls) -> Iterator[tuple[str, str, str, str]]:
         """Yield name, unit, symbol and meaning of each declared quantity."""
         for name, field in cls.model_fields.items():

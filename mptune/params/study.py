@@ -4,23 +4,40 @@ from __future__ import annotations
 
 import hashlib
 import json
-from typing import Annotated, Any, Self
+from itertools import pairwise
+from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
 from mptune.params.campaign import Campaign
 from mptune.params.controller import Controller, Feedforward, Gains
+from mptune.params.doubts import Doubt
 from mptune.params.estimator import Estimator
 from mptune.params.identification import Identification
 from mptune.params.machine import Cylinder, Hose, Load, Oil, SensorTruth, Supplies, Valves
 from mptune.params.manoeuvre import Manoeuvre, Verification
 from mptune.params.requirements import Objective, Requirements
-from mptune.params.section import Section, refuse
+from mptune.params.section import Range, Section, refuse
 from mptune.params.uncertainty import Model, Uncertainty, UncertaintySet
 from mptune.summary import Summarised
 
+if TYPE_CHECKING:
+    from collections.abc import Sequence
+CHOSEN = ("gains", "feedforward")
+"""Sections that a tuner may choose: they stand in gains files and outside the model's hash."""
+
 SOURCE_KINDS = ("published", "derived", "assumed", "measured")
 _LIKE_THIS = 'write sources like "cylinder.bore" = "derived: how"'
+
+
+def interpolated(place: float, places: Sequence[float], values: Sequence[float]) -> float:
+    """Return a value between rows, linearly; beyond the ends that of the nearest."""
+    if place <= places[0]:
+        return values[0]
+    for (left, low), (right, high) in pairwise(zip(places, values, strict=True)):
+        if place <= right:
+            return low + (high - low) * (place - left) / (right - left)
+    return values[-1]
 
 
 def _of_a_section(key: str) -> str:
@@ -91,6 +108,49 @@ class Study(Summarised, Section):
         """The title."""
         return f"Study {self.title}".rstrip()
 
+    def reach(self) -> tuple[float, float]:
+        """Return the least and the largest position of the piston on its moves [m]."""
+        position = self.verification.start
+        places = [position]
+        for move in self.manoeuvre:
+            places += [position + place for place in move.reach]
+            position += move.net_distance
+        return min(places), max(places)
+
+    def loads_at(self, force: float) -> tuple[float, ...]:
+        """Return the load [N] at the ends of the moves, and at the table's rows between them.
+
+        ``force`` [N] is the constant part.
+        """
+        start, stiffness = self.verification.start, self.load.stiffness
+        return tuple(
+            force + stiffness * (place - start) + added for place, added, _ in self._table()
+        )
+
+    def inertia_factors(self) -> tuple[float, ...]:
+        """Return the factor of the inertia at the same positions; 1 without a table."""
+        return tuple(factor for _, _, factor in self._table())
+
+    def _table(self) -> list[tuple[float, float, float]]:
+        """Return position, added force and factor of the inertia where the moves go."""
+        low, high = self.reach()
+        rows = self.load.table or ((low, 0.0, 1.0), (high, 0.0, 1.0))
+        columns = tuple(zip(*rows, strict=True))
+        inside = [place for place in columns[0] if low < place < high]
+        return [
+            (place, interpolated(place, columns[0], columns[1]),
+             interpolated(place, columns[0], columns[2]))
+            for place in (low, *inside, high)
+        ]  # fmt: skip
+
+    @property
+    def summed_delay(self) -> Range:
+        """The total delay as a sum: T_S/2, valve and computation [s] (§5.1)."""
+        half, valves = self.controller.sampling_period / 2, self.valves
+        pairs = zip(valves.delay, valves.computation_delay, strict=True)
+        least, largest = (float(f"{half + valve + own:.12g}") for valve, own in pairs)
+        return least, largest  # 14 ms as it would be written, not its neighbour
+
     def source_of(self, key: str) -> str:
         """Return where a value comes from: its own entry, or its section's, or nothing."""
         section = key.rsplit(".", 1)[0]
@@ -106,17 +166,25 @@ class ResolvedStudy(Summarised, Section):
         The name of the study: its folder's.
     uncertainty_name
         The name of the chosen set; empty for the default.
+    doubts
+        What of the study may be meant otherwise than written.
     """
 
     name: str
     study: Study
     uncertainty: UncertaintySet
     uncertainty_name: str = ""
+    doubts: tuple[Doubt, ...] = ()
 
     @property
     def headline(self) -> str:
         """Name and uncertainty set."""
         return f"Study {self.name}, uncertainty {self.uncertainty_name or 'default'}"
+
+    def key_of(self, name: str) -> str:
+        """Return the dotted key of a value of the chosen uncertainty set."""
+        chosen = f"sets.{self.uncertainty_name}." if self.uncertainty_name else ""
+        return f"uncertainty.{chosen}{name}"
 
     @property
     def title(self) -> str:
@@ -124,12 +192,17 @@ class ResolvedStudy(Summarised, Section):
         return self.study.title or self.name
 
     def model_values(self) -> dict[str, Any]:
-        """Return the SI model: all but gains, what they are tried on, title and sources."""
+        """Return the SI model: all but what is chosen, what it is tried on, title and sources."""
         tried_on = {"verification", "identification", "campaign"}
-        left_out = {"gains", "title", "sources", "uncertainty", *tried_on}
+        left_out = {*CHOSEN, "title", "sources", "uncertainty", *tried_on}
         values = self.study.model_dump(exclude=left_out)
         unnamed = {"measured": {"__all__": {"name"}}}  # a file's content counts, not its name
-        values["uncertainty"] = self.uncertainty.model_dump(exclude=unnamed)
+        box = self.uncertainty.model_dump(exclude=unnamed)
+        if self.uncertainty.explicit_delay == self.uncertainty.lumped_delay:
+            del box["delay_as_it_runs"]  # one range, written once or twice
+        if box["nominal"]["delay_as_it_runs"] is None:
+            del box["nominal"]["delay_as_it_runs"]
+        values["uncertainty"] = box
         return values
 
     def hash(self) -> str:

@@ -22,7 +22,7 @@ import numpy as np
 
 from mptune.errors import Fault, InputError
 from mptune.files import read_text
-from mptune.units import label_and_unit
+from mptune.headings import label_and_unit
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -70,7 +70,7 @@ def read_table(path: Path, heading: str, remedy: str = "check the path") -> Tabl
         If the file cannot be read, has no line of headings, a line has too few or too many cells
         (a truncated file, say), a cell is no number, or two columns have one name.
     """
-    text = read_text(path, remedy).removeprefix("\ufeff")
+    text = read_text(path, remedy)
     separator = _separator(text)
     rows = _rows(path, text, separator)
     if not rows:
@@ -147,9 +147,14 @@ def _numbers(
         raise InputError(path, Fault(f"line {row.line}", "", rule, remedy))
     cells = [cell.replace(",", ".") for cell in row.cells] if comma else row.cells
     try:
-        return [float(cell) if cell.strip() else math.nan for cell in cells]
+        numbers = [float(cell) if cell.strip() else math.nan for cell in cells]
     except ValueError as error:
         shown = ",".join(row.cells)[:40]
         remedy = f"write plain numbers with a decimal point below one line like {heading}"
         fault = Fault(f"line {row.line}", shown, "is no row of numbers", remedy)
         raise InputError(path, fault) from error
+    if any(map(math.isinf, numbers)):
+        shown = ",".join(row.cells)[:40]
+        rule = "has a number beyond all bounds"
+        raise InputError(path, Fault(f"line {row.line}", shown, rule, "mend it, or leave it empty"))
+    return numbers

@@ -15,22 +15,35 @@ Derived = Literal["derived"]
 class Nominal(Section):
     """The nominal machine of Eq. 14; the least mass and the least delay where nothing is given."""
 
-    mass: float | None = quantity("kg", "m_min", "nominal mass", None, above=0)
-    delay: float | None = quantity("s", "d_min", "nominal delay", None, above=0)
+    mass: float | None = quantity("kg", "m_min", "nominal mass", None, at_least=10, at_most=1e7)
+    delay: float | None = quantity("s", "d_min", "nominal delay", None, at_least=1e-6, at_most=1)
+    delay_as_it_runs: float | None = quantity(
+        "s", "d_min,r", "nominal delay beside an explicit path", None, at_least=1e-6, at_most=1
+    )
 
 
 class UncertaintySet(Section):
-    """A box of mass, total delay and pressure time constants."""
+    """A box of mass, total delay and pressure time constants.
 
-    mass: Range = quantity("kg", "m", "effective inertia", above=0)
-    delay: Range = quantity(
-        "s", "d", "total delay: half a sampling period, valve, computation", above=0
-    )
+    ``delay`` is the lumped one of Eq. 14 to 21: what measuring and filtering cost may be counted
+    in it. Where the measurement path or the sampling stands explicitly, ``delay_as_it_runs`` takes
+    its place, so that nothing is counted twice. A study that is loaded holds both as ranges.
+    """
+
+    mass: Range = quantity("kg", "m", "effective inertia", at_least=10, at_most=1e7)
+    delay: Range | Derived = quantity(
+        "s", "d", "total delay: half a sampling period, valve, computation; or derived",
+        at_least=1e-6, at_most=1, words=("derived",),
+    )  # fmt: skip
+    delay_as_it_runs: Range | Derived | None = quantity(
+        "s", "d_r", "total delay where path and sampling are explicit; or derived", None,
+        at_least=1e-6, at_most=1, words=("derived",),
+    )  # fmt: skip
     tau_a: Range | Derived = quantity(
-        "s", "τ_A", "A-side time constant, or derived", at_least=0, words=("derived",)
+        "s", "τ_A", "A-side time constant, or derived", words=("derived",), at_least=0, at_most=1
     )
     tau_b: Range | Derived = quantity(
-        "s", "τ_B", "B-side time constant, or derived", at_least=0, words=("derived",)
+        "s", "τ_B", "B-side time constant, or derived", words=("derived",), at_least=0, at_most=1
     )
     points: int = quantity("1", "n", "points per parameter", 7, at_least=1, at_most=51)
     nominal: Nominal = Nominal()
@@ -43,9 +56,9 @@ class UncertaintySet(Section):
 
     @model_validator(mode="after")
     def _box_has_inside(self) -> Self:
-        pairs = {"mass": self.mass, "delay": self.delay, "tau_a": self.tau_a, "tau_b": self.tau_b}
-        for name, pair in pairs.items():
-            if self.points == 1 and not isinstance(pair, str) and pair[0] != pair[1]:
+        for name in ("mass", "delay", "delay_as_it_runs", "tau_a", "tau_b"):
+            pair = getattr(self, name)
+            if self.points == 1 and isinstance(pair, tuple) and pair[0] != pair[1]:
                 refuse(f"has points = 1 but a range in {name}", "give at least two points")
         return self
 
@@ -64,9 +77,46 @@ class UncertaintySet(Section):
         return self.mass[0] if self.nominal.mass is None else self.nominal.mass
 
     @property
+    def lumped_delay(self) -> Range:
+        """Range of the total delay of Eq. 14 to 21 [s].
+
+        Raises
+        ------
+        TypeError
+            If it is still to be derived, as ``load_study`` does.
+        """
+        return _range(self.delay)
+
+    @property
+    def explicit_delay(self) -> Range:
+        """Range of the total delay where path and sampling are explicit [s]; else as above."""
+        given = self.delay_as_it_runs
+        return self.lumped_delay if given is None else _range(given)
+
+    @property
     def nominal_delay(self) -> float:
-        """Total delay of the nominal machine [s]."""
-        return self.delay[0] if self.nominal.delay is None else self.nominal.delay
+        """Total delay of the nominal machine of Eq. 14 to 21 [s]."""
+        return self.lumped_delay[0] if self.nominal.delay is None else self.nominal.delay
+
+    @property
+    def nominal_delay_as_it_runs(self) -> float:
+        """Total delay of the nominal machine where path and sampling are explicit [s]."""
+        if self.nominal.delay_as_it_runs is not None:
+            return self.nominal.delay_as_it_runs
+        same = self.explicit_delay == self.lumped_delay
+        return self.nominal_delay if same else self.explicit_delay[0]
+
+    def with_delays(self, summed: Range) -> Self:
+        """Return the set with delays that are to be derived replaced by the sum given [s]."""
+        names = ("delay", "delay_as_it_runs")
+        derived = [name for name in names if isinstance(getattr(self, name), str)]
+        return self.model_copy(update=dict.fromkeys(derived, summed))
+
+
+def _range(delay: Range | Derived) -> Range:
+    if isinstance(delay, str):
+        raise TypeError("a derived delay is a range once the study is loaded by load_study")
+    return delay
 
 
 class Uncertainty(UncertaintySet):

@@ -21,7 +21,7 @@ class ValveState(NamedTuple):
     due: FloatArray  # (24, PENDING) s, when a pending command takes hold; inf where none
     wanted: FloatArray  # (24, PENDING) the pending command
     busy: IntArray  # (24,) valves that move or wait for a command, the first ``counters[1]``
-    counters: IntArray  # (2,) switches so far, busy valves
+    counters: IntArray  # (26,) switches so far, busy valves, and the switches of each valve
 
 
 def shut_valves() -> ValveState:
@@ -34,7 +34,7 @@ def shut_valves() -> ValveState:
         np.full((VALVES, PENDING), np.inf),
         np.zeros((VALVES, PENDING)),
         np.zeros(VALVES, np.int64),
-        np.zeros(2, np.int64),
+        np.zeros(2 + VALVES, np.int64),
     )
 
 
@@ -49,6 +49,7 @@ def command(valves: ValveState, valve: int, wanted: float, due: float) -> None:
         return
     valves.commanded[valve] = wanted
     valves.counters[0] += 1
+    valves.counters[2 + valve] += 1
     place = 0
     for k in range(PENDING):
         if np.isfinite(valves.due[valve, k]):

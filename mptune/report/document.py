@@ -58,7 +58,7 @@ def document(results: Results, figures: Collection[str]) -> Document:
     return Document(
         title=study.title,
         running=f"{study.name} · mptune {version()} · model {model[:12]} · {date[:10]}",
-        satisfied=results.satisfied,
+        satisfied=results.verdict.met,
         front=replace(page, about=(*page.about, stamp)),
         chapters=[chapter for chapter in chapters if chapter.blocks],
     )

@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Literal
 
 from mptune.errors import OutputError
+from mptune.escaping import printable_values
 from mptune.report.blocks import plain
 
 if TYPE_CHECKING:
@@ -32,7 +33,9 @@ def pdf(document: Document, figures: Mapping[str, bytes]) -> bytes:
         If the template does not compile.
     """
     files = {f"{name}.svg": svg for name, svg in figures.items()}
-    files["content.json"] = json.dumps(document, default=plain).encode()
+    files["content.json"] = json.dumps(
+        printable_values(json.loads(json.dumps(document, default=plain)))
+    ).encode()
     return compiled((_TEMPLATE, _EQUATIONS), files, "pdf")[0]
 
 

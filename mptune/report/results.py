@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
+from mptune.robust.headline import judge
+
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
@@ -13,10 +15,12 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
     from mptune.robust.chain import Link
     from mptune.robust.encirclements import Encirclements
+    from mptune.robust.headline import Judgement
     from mptune.robust.one_at_a_time import Influence
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
     from mptune.tune.result import TuneResult
+    from mptune.verify.before_after import Change
     from mptune.verify.result import VerifyResult
 
 
@@ -36,6 +40,8 @@ class Leftovers:
         Fig. 3's panels of ``identify``.
     figures
         Their figures: SVG bytes by name.
+    left_out
+        What could not be used, and why, in sentences.
     """
 
     compared: tuple[dict[str, Any], ...] = ()
@@ -43,6 +49,7 @@ class Leftovers:
     weights: tuple[dict[str, Any], ...] = ()
     panels: tuple[Panel, ...] = ()
     figures: Mapping[str, bytes] | None = None
+    left_out: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)
@@ -60,8 +67,15 @@ class Results:
     moves: tuple[LinearMove, ...] = ()
     moves_before: tuple[LinearMove, ...] = ()
     verified: VerifyResult | None = None
+    verified_before: VerifyResult | None = None
     chain: tuple[Link, ...] = ()
     encirclements: tuple[Encirclements, ...] = ()
     influences: tuple[Influence, ...] = ()
     leftovers: Leftovers = Leftovers()
-    satisfied: bool = False
+    judgement: Judgement | None = None
+    changes: tuple[Change, ...] = ()
+
+    @property
+    def verdict(self) -> Judgement:
+        """How the gains came out: as judged, else by what is here."""
+        return self.judgement or judge(self.sweep.checks, self.chain)

@@ -7,10 +7,10 @@ like markup is printed as it stands.
 from __future__ import annotations
 
 import re
-from html import escape
 from importlib import resources
 from typing import TYPE_CHECKING
 
+from mptune.escaping import html_text
 from mptune.report.blocks import (
     Cell,
     Equations,
@@ -66,12 +66,12 @@ def _inline(svg: bytes, name: str) -> str:
 
 def _page(document: Document, drawn: Mapping[str, str]) -> str:
     style = resources.files("mptune.report").joinpath(_STYLE).read_text(encoding="utf-8")
-    title, front = escape(document.title), document.front
+    title, front = html_text(document.title), document.front
     verdict = "good" if document.satisfied else "bad"
-    about = "<br>".join(map(escape, front.about))
-    status = "".join(f"<p>{escape(line)}</p>" for line in front.status)
+    about = "<br>".join(map(html_text, front.about))
+    status = "".join(f"<p>{html_text(line)}</p>" for line in front.status)
     warnings = "".join(
-        f'<p class="mind"><strong>Mind:</strong> {escape(one)}</p>' for one in front.warnings
+        f'<p class="mind"><strong>Mind:</strong> {html_text(one)}</p>' for one in front.warnings
     )
     contents = "".join(
         f'<li><a href="#section-{n}">{_words(one)}</a></li>'
@@ -93,7 +93,7 @@ def _page(document: Document, drawn: Mapping[str, str]) -> str:
 </head>
 <body>
 <header><h1>{title}</h1><p>{about}</p></header>
-<div class="verdict {verdict}"><h2>{escape(front.headline)}</h2>{status}</div>
+<div class="verdict {verdict}"><h2>{html_text(front.headline)}</h2>{status}</div>
 {warnings}
 {_blocks(front.blocks, drawn)}
 <nav><h3>Contents</h3><ol>{contents}</ol></nav>
@@ -143,8 +143,8 @@ def _table(table: Tabular) -> str:
 
 def _cell(cell: str | Cell) -> str:
     if not isinstance(cell, Cell):
-        return escape(cell)
-    text = escape(cell.text)
+        return html_text(cell)
+    text = html_text(cell.text)
     if cell.look == "symbol":
         base, _, below = text.partition("_")
         return base + (f"<sub>{below}</sub>" if below else "")
@@ -156,6 +156,6 @@ def _cell(cell: str | Cell) -> str:
 
 def _words(words: Words) -> str:
     return "".join(
-        f"<sub>{escape(run['text'])}</sub>" if run["sub"] else escape(run["text"])
+        f"<sub>{html_text(run['text'])}</sub>" if run["sub"] else html_text(run["text"])
         for run in words.runs
     )

@@ -129,6 +129,7 @@ def certify(model: LinearModel, gains: LoopGains) -> Certificates | None:
         if path not in {"estimator", "sampled"} or loop == "force_reference"
     ]
     named += [("force_reference", path, "disk_margin") for path in paths]
+    named += [("force_reference", path, "peak_compliance") for path in paths if path == "sampled"]
     bounds = tuple(bound(problem, *name) for name in named)
     asked = [("velocity", model.path_name), *(("force_reference", path) for path in paths)]
     stability = tuple(box_stability(problem, path, loop) for loop, path in asked)

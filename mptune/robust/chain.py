@@ -13,10 +13,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.certify.margins import TOLERANCE, margin
+from mptune.certify.result import Stability
 from mptune.loops.broken import FORCE
 from mptune.loops.stability import count_unstable_poles
+from mptune.robust.certificates import place_of
 from mptune.robust.condition import sides
-from mptune.robust.families import stable_plants
+from mptune.robust.families import as_sampled, stable_plants, true_family
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.place import PlantPoint, finite, plant_point
 from mptune.summary import Summarised
@@ -26,11 +29,15 @@ if TYPE_CHECKING:
     from typing import Any
 
     from mptune.arrays import BoolArray
+    from mptune.certify.problem import BoxedLoop
+    from mptune.certify.result import Bracket
     from mptune.robust.family import Family
     from mptune.robust.result import SweepResult
 
 LARGEST, SMALLEST = 64.0, 1 / 64.0  # factors beyond which nothing is searched
+GAIN_RESERVE = 1.1  # a factor below it is no reserve: a verdict rests on it
 _STEPS = 30  # of a bisection
+_FINEST = 1e-4  # relative width of a bracket that lies across the reserve
 _NAMES = {
     "none": "true family",
     "filters": "with measurement path",
@@ -52,11 +59,31 @@ class Link(Summarised):
         is, NaN where it cannot be told.
     at
         The plant and frequency that limit it; None where it is not known.
+    guaranteed
+        Factor up to which every plant of the box is proved stable; NaN where nothing is proved.
+    stability
+        What is known of the model as it is.
+    witness
+        A plant that is unstable, or undecided, as it is.
+    note
+        What else is to be said: how many plants are unstable, which machine.
+    beside
+        Another reading of the delays, shown beside the others: no verdict rests on it.
     """
 
     name: str
     factor: float
     at: PlantPoint | None
+    guaranteed: float = float("nan")
+    stability: Stability = Stability.STABLE
+    witness: PlantPoint | None = None
+    note: str = ""
+    beside: bool = False
+
+    @property
+    def safe(self) -> float:
+        """The factor that a verdict may rest on: what is proved, else what was found."""
+        return self.factor if np.isnan(self.guaranteed) else min(self.guaranteed, self.factor)
 
     @property
     def headline(self) -> str:
@@ -66,7 +93,14 @@ class Link(Summarised):
     def json(self) -> dict[str, Any]:
         """Return the link, as JSON has it."""
         at = self.at.values() if self.at else None
-        return {"model": self.name, "gain_factor": finite(self.factor), "at": at}
+        values = {
+            "model": self.name,
+            "gain_factor": finite(self.factor),
+            "guaranteed_gain_factor": finite(self.guaranteed),
+            "stability": self.stability.value,
+            "at": at,
+        }
+        return {**values, "beside": True} if self.beside else values
 
 
 def factor_text(factor: float) -> str:
@@ -105,7 +139,7 @@ def chain(result: SweepResult) -> tuple[Link, ...]:
     """Return the linear links: Eq. 17 and 21, true family, with path, sampled.
 
     A finite grid of plants and frequencies can only miss worse ones: every factor errs on the high
-    side.
+    side. What is guaranteed beside it errs on the low side.
 
     Parameters
     ----------
@@ -117,6 +151,30 @@ def chain(result: SweepResult) -> tuple[Link, ...]:
     if result.sampled is not None:
         links.append(_family_link("sampled", result.sampled, result))
     return tuple(links)
+
+
+def other_reading(result: SweepResult) -> tuple[Link, ...]:
+    """Return the links with path and sampling, the lumped delays counted beside them as well.
+
+    That is the reading in which nothing of the lumped delay stands for the measurement path: it
+    errs towards instability where something does. None where both delays have one range.
+    """
+    model = result.model
+    box = model.study.uncertainty
+    if box.explicit_delay == box.lumped_delay:
+        return ()
+    lumped = replace(model, explicit=model.lumped)
+    gains = lumped.loops(result.gains).gains
+    families = (
+        true_family(lumped, gains, "filters", result.omega),
+        as_sampled(lumped, gains, result.omega),
+    )
+    again = replace(result, model=lumped, certificates=None)
+    return tuple(
+        replace(_family_link(f"{name}, lumped delay", family, again), beside=True)
+        for name, family in zip((_NAMES["filters"], "sampled"), families, strict=True)
+        if family is not None
+    )
 
 
 def _inequalities(result: SweepResult) -> Link:
@@ -142,13 +200,49 @@ def _inequalities(result: SweepResult) -> Link:
 
 
 def _family_link(name: str, family: Family, result: SweepResult) -> Link:
-    """Return the smallest gain margin of a family, or the factor that makes all of it stable.
+    """Return a family's gain factor, what is proved of it, and whether it is stable as it is."""
+    unstable = family.decided & ~family.stable
+    count = f"{int(unstable.sum())} of {len(family.stable)} plants are unstable"
+    if unstable.any():
+        factor, at = _restoring_factor(family, result)
+        return Link(
+            name, factor, at, float("nan"), Stability.UNSTABLE, family.first_unstable(), count
+        )
+    if not family.decided.all():
+        return Link(
+            name, float("nan"), None, float("nan"), Stability.UNDECIDED, family.first_unstable()
+        )
+    factor, at = family.worst("gain_margin", FORCE)
+    proofs = result.certificates
+    box = proofs.stable("force_reference", family.path) if proofs else None
+    if proofs is None or box is None:
+        return Link(name, factor, at)
+    if box.status is not Stability.STABLE:
+        place = place_of(box.witness or box.suspect)
+        note = "a plant between those of the grid is unstable" if box.witness else ""
+        return Link(name, float("nan"), place, float("nan"), box.status, place, note)
+    found = _bracket(proofs.problem, family.path)
+    if found.upper < factor:
+        factor, at = found.upper, place_of(found.at)
+    guaranteed = float("nan") if family.responses else found.lower  # of those nothing is proved
+    return Link(name, factor, at, guaranteed)
+
+
+def _bracket(problem: BoxedLoop, path: str) -> Bracket:
+    """Return the gain margin over the box, fine enough to tell it from the reserve asked for."""
+    tolerance = TOLERANCE
+    found = margin(problem, path, "gain_margin", tolerance=tolerance)
+    while found.lower < GAIN_RESERVE <= found.upper and tolerance > _FINEST:
+        tolerance /= 10
+        found = margin(problem, path, "gain_margin", tolerance=tolerance)
+    return found
+
+
+def _restoring_factor(family: Family, result: SweepResult) -> tuple[float, PlantPoint | None]:
+    """Return the factor that makes all of a family stable, and the plant that asks for it.
 
     NaN where the plants that are stable as they are would not bear that factor.
     """
-    if family.unstable_count == 0:
-        factor, at = family.worst("gain_margin", FORCE)
-        return Link(name, factor, at)
     failing = np.flatnonzero(~family.stable)
 
     def stable(factor: float) -> BoolArray:
@@ -157,6 +251,6 @@ def _family_link(name: str, family: Family, result: SweepResult) -> Link:
     factor = gain_limit(lambda factor: bool(stable(factor).all()), 1e-4)
     least = family.margins.gain_reduction[FORCE][family.stable]
     if not np.isfinite(factor) or (least >= factor).any():
-        return Link(name, float("nan"), None)
+        return float("nan"), None
     last = failing[~stable(1.001 * factor)]
-    return Link(name, factor, family.point(int(last[0]), float("nan")) if len(last) else None)
+    return factor, family.point(int(last[0]), float("nan")) if len(last) else None

@@ -67,7 +67,8 @@ def _counted(result: SweepResult, loop: int, name: str) -> Encirclements:
     at = (result.velocity if loop == VELOCITY else result.position).at
     worst = None
     if at.response is None:
-        one = model.loops(*where, plants=model.plant(at), which=loop)
+        plant = model.plant(at, as_it_runs=name != "none")
+        one = model.loops(*where, plants=plant, which=loop)
         worst = int(count_unstable_poles(one).unstable[0])
     return Encirclements(
         loop=loop,

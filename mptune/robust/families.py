@@ -30,7 +30,7 @@ def true_family(model: LinearModel, gains: LoopGains, path: str, omega: FloatArr
     parts = []
     if members is None or not members.instead:
         counts = [count_unstable_poles(loops.broken_at(which)) for which in (VELOCITY, FORCE)]
-        parts.append(_part(path, model.plants, counts, family_margins(omega, loops)))
+        parts.append(_part(path, loops.plants, counts, family_margins(omega, loops)))
     if members is not None:
         from mptune.robust.measured_loops import count_members, member_margins
 
@@ -108,7 +108,7 @@ def as_sampled(model: LinearModel, gains: LoopGains, omega: FloatArray) -> Famil
     masked = Margins(*(frozen(np.where(stable, figure, np.nan)) for figure in margins))
     return Family(
         path="sampled",
-        plants=model.plants,
+        plants=model.explicit,
         velocity_stable=frozen(stable),
         stable=frozen(stable),
         decided=frozen(decided),

@@ -12,13 +12,15 @@ if TYPE_CHECKING:
 
 FREQUENCIES = 400  # of the first grid
 _TAIL_RATIO = 0.05  # above the grid no left/right ratio can exceed this
+_SLOWEST = 1e-9  # of the crossover: below it a sampled loop cannot be told from 1 in double
 _OCTAVES = 60  # at most, that the tail of Eq. 21 is followed
 
 
 def frequency_range(plants: Plants, nominal: NominalPlant, gains: LoopGains) -> tuple[float, float]:
     """Return the lowest and highest frequency of the first grid [rad/s].
 
-    The lowest stands a factor of 50 below the slowest corner of loop and controller. Above the
+    The lowest stands a factor of 50 below the slowest corner of loop and controller that matters:
+    one a thousand million times slower than the crossover tells nothing from none at all. Above the
     highest, Eq. 17's ratio is certainly small: |Δ_vel| ≤ 1 + m_min/m as |G_F| ≤ 1, and
     |L/(1 + L)| ≤ |L|/(1 − |L|) with |L| ≤ K_P,vel/(m_min ω). So is Eq. 21's, see below.
     """
@@ -27,13 +29,14 @@ def frequency_range(plants: Plants, nominal: NominalPlant, gains: LoopGains) -> 
     if gains.k_p_pos > 0:
         slowest.append(gains.k_p_pos)
         slowest.append(gains.k_i_pos / gains.k_p_pos or gains.k_p_pos)
+    lowest = max(min(slowest) / 50, _SLOWEST * crossover)
     error = 1 + nominal.mass / float(plants.mass.min())
     highest = max(crossover * (1 + error / _TAIL_RATIO), 10 / gains.tau)
     for _ in range(_OCTAVES):
         if _position_tail(highest, crossover, error, gains) <= _TAIL_RATIO:
             break
         highest *= 2
-    return min(slowest) / 50, highest
+    return lowest, highest
 
 
 def _position_tail(omega: float, crossover: float, error: float, gains: LoopGains) -> float:

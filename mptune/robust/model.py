@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -17,6 +17,7 @@ from mptune.params.packed import NO_PATH, LoopGains, MeasurementPath, NominalPla
 from mptune.robust.at_plant import loop_around_measured, loop_as_it_runs
 from mptune.robust.condition import Sides, nominal_loops, sides
 from mptune.robust.curves import loop_curves
+from mptune.robust.delays import at_same_share, corners_of, joined
 from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.measured import Members, members_of, whole_family
 from mptune.robust.place import PlantPoint, plant_point
@@ -43,10 +44,11 @@ class LinearModel(Summarised):
     ----------
     study
         The study.
-    plants
-        The grid of its uncertainty set, ``(N,)`` each.
-    nominal
-        The nominal plant of Eq. 14.
+    lumped
+        The grid of its uncertainty set, ``(N,)`` each, the delay the lumped one of Eq. 14 to 21.
+    explicit
+        The same plants with the delays that they have where measurement path and sampling stand
+        explicitly.
     members
         Measured responses that stand beside the box, or in its place within their band.
     path
@@ -58,8 +60,8 @@ class LinearModel(Summarised):
     """
 
     study: ResolvedStudy
-    plants: Plants
-    nominal: NominalPlant
+    lumped: Plants
+    explicit: Plants
     members: Members | None
     path: MeasurementPath
     filters: MeasurementPath
@@ -68,12 +70,12 @@ class LinearModel(Summarised):
     @classmethod
     def of(cls, study: ResolvedStudy) -> LinearModel:
         """Return the linear model of a study."""
-        plants = plants_of(study)
+        lumped = plants_of(study)
         return cls(
             study=study,
-            plants=plants,
-            nominal=pack_nominal(study),
-            members=members_of(study, plants),
+            lumped=lumped,
+            explicit=plants_of(study, explicit=True),
+            members=members_of(study, lumped),
             path=pack_path(study),
             filters=pack_measured(study),
             period=study.study.controller.sampling_period,
@@ -85,6 +87,24 @@ class LinearModel(Summarised):
         chosen = self.study.uncertainty_name or "default"
         size = f"{self.whole_family.number} plants"
         return f"Linear model of {self.study.name}, uncertainty {chosen}: {size}"
+
+    @property
+    def plants(self) -> Plants:
+        """``(N,)``: the box's plants as the study's inequalities take them."""
+        return self.plants_along(self.path)
+
+    @property
+    def nominal(self) -> NominalPlant:
+        """The nominal plant of Eq. 14, as the study's inequalities take it."""
+        return self.nominal_along(self.path)
+
+    def plants_along(self, path: MeasurementPath) -> Plants:
+        """Return the box's plants with the delays that go with a measurement path."""
+        return self.lumped if path == NO_PATH else self.explicit
+
+    def nominal_along(self, path: MeasurementPath) -> NominalPlant:
+        """Return the nominal plant with the delay that goes with a measurement path."""
+        return pack_nominal(self.study, explicit=path != NO_PATH)
 
     @property
     def requirements(self) -> Requirements:
@@ -128,7 +148,7 @@ class LinearModel(Summarised):
     @property
     def runs(self) -> bool:
         """Whether every delay leaves room for the hold, so that there is a sampled loop."""
-        return bool(self.plants.delay.min() >= self.period / 2)
+        return bool(self.explicit.delay.min() >= self.period / 2)
 
     @cached_property
     def whole_family(self) -> Plants:
@@ -151,13 +171,14 @@ class LinearModel(Summarised):
         plants: Plants | None = None,
         which: int = FORCE,
     ) -> FamilyLoops:
-        """Return the loops of the box's plants, or of those given.
+        """Return the loops of the box's plants, or of those given, with the delays as they are.
 
         ``path`` is that of the study's inequalities where None.
         """
         packed = gains if isinstance(gains, LoopGains) else pack_gains(gains)
-        family = self.plants if plants is None else plants
-        return FamilyLoops(family, packed, self.path if path is None else path, which)
+        along = self.path if path is None else path
+        family = self.plants_along(along) if plants is None else plants
+        return FamilyLoops(family, packed, along, which)
 
     def as_it_runs(self, gains: Gains | LoopGains, plants: Plants | None = None) -> FamilyLoops:
         """Return the loops with the measurement path as it runs."""
@@ -170,7 +191,8 @@ class LinearModel(Summarised):
         which: int = FORCE,
     ) -> FamilyLoops:
         """Return the loop of the nominal plant, as a family of one."""
-        return self.loops(gains, path, nominal_plants(self.nominal), which)
+        nominal = self.nominal_along(self.path if path is None else path)
+        return self.loops(gains, path, nominal_plants(nominal), which)
 
     def nominal_gains(self, omega: FloatArray, gains: Gains | LoopGains) -> ComplexArray:
         """Return the nominal loop gains at jω, ``(2, F)``: velocity loop, position loop."""
@@ -183,14 +205,37 @@ class LinearModel(Summarised):
         """Return both sides of Eq. 17 and Eq. 21, over the whole family where none are given."""
         return sides(omega, self.loops(gains, plants=plants), self.nominal, self.members)
 
-    def point(self, index: int, frequency: float) -> PlantPoint:
+    def point(self, index: int, frequency: float, *, as_it_runs: bool = False) -> PlantPoint:
         """Return a plant of the family, measured members after the box's plants, at ω [rad/s]."""
-        return plant_point(self.whole_family, index, frequency, self.member_names)
+        family = whole_family(self.explicit, self.members) if as_it_runs else self.whole_family
+        return plant_point(family, index, frequency, self.member_names)
 
-    def plant(self, at: PlantPoint) -> Plants:
-        """Return the plant at a place, as a family of one."""
-        fields = (at.mass_kg, at.delay_s, at.tau_a_s, at.tau_b_s, self.plants.share_a[0])
+    def plant(self, at: PlantPoint, *, as_it_runs: bool = False) -> Plants:
+        """Return the plant at a place, as a family of one.
+
+        With ``as_it_runs`` a plant of the study's inequalities gets the delay that it has where
+        path and sampling are explicit.
+        """
+        delay = at.delay_s
+        if as_it_runs and self.path == NO_PATH:
+            delay = at_same_share(delay, self.lumped, self.explicit)
+        fields = (at.mass_kg, delay, at.tau_a_s, at.tau_b_s, self.plants.share_a[0])
         return Plants(*(np.array([value]) for value in fields))
+
+    def holds(self, at: PlantPoint, *, as_it_runs: bool) -> bool:
+        """Return whether a plant is one of the grid's."""
+        family = self.explicit if as_it_runs else self.plants
+        one = self.plant(at)
+        return bool(np.all([a == b[0] for a, b in zip(family, one, strict=True)], 0).any())
+
+    def joined_by(self, at: PlantPoint, *, as_it_runs: bool) -> LinearModel:
+        """Return the model with one more plant: found as it runs, or in the inequalities."""
+        one = self.plant(at)
+        if as_it_runs or self.path != NO_PATH:
+            explicit, lumped = joined(self.explicit, self.lumped, one)
+        else:
+            lumped, explicit = joined(self.lumped, self.explicit, one)
+        return replace(self, lumped=lumped, explicit=explicit)
 
     def to_control(
         self,
@@ -215,7 +260,8 @@ class LinearModel(Summarised):
             Measurement path, one of the study's ``paths``, that of the study's inequalities where
             None, or ``"sampled"`` for the loop at F_ref as it runs, in sampled time.
         plant
-            A plant of the family, a measured one included; the nominal one where None.
+            A plant of the family, a measured one included, with the delay that it has; the
+            nominal one where None.
         omega
             ``(F,)`` frequencies [rad/s]; the first grid of a sweep, or those measured, where None.
 
@@ -286,12 +332,7 @@ class LinearModel(Summarised):
 
     def corners(self) -> IntArray:
         """Return the plants with the least or largest mass, all lags smallest or all largest."""
-        plants = self.plants
-        lags = np.stack([plants.delay, plants.tau_a, plants.tau_b])
-        small = np.all(lags == lags.min(axis=1, keepdims=True), axis=0)
-        large = np.all(lags == lags.max(axis=1, keepdims=True), axis=0)
-        light, heavy = plants.mass == plants.mass.min(), plants.mass == plants.mass.max()
-        return np.flatnonzero((small | large) & (light | heavy))
+        return corners_of(self.lumped, self.explicit)
 
 
 def _no_loop(key: str, value: str | None, remedy: str) -> InputError:

@@ -15,6 +15,7 @@ from mptune.loops.family import derived_time_constants
 from mptune.robust.certificates import Certificates, bound_json
 from mptune.robust.place import PlantPoint, finite
 from mptune.summary import Summarised
+from mptune.units import number_beside
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -165,7 +166,12 @@ class Check(Summarised):
     @property
     def headline(self) -> str:
         """Limit, what was found, and the status."""
-        return f"{self.label} {self.limit}: {self.found:.4g}, {self.status}"
+        return f"{self.label} {self.limit}: {self.found_text}, {self.status}"
+
+    @property
+    def found_text(self) -> str:
+        """What was found, with as many digits as it needs to differ from the limit."""
+        return number_beside(self.found, self.limit)
 
     def json(self) -> dict[str, Any]:
         """Return the requirement in SI; its label as ``name``."""
@@ -230,7 +236,7 @@ class SweepResult(Summarised, Drawn, Labelled):
 
     @property
     def satisfied(self) -> bool:
-        """Whether every requirement of the study is met."""
+        """Whether every requirement that the study writes is met: half of a verdict."""
         return all(check.status is Status.SATISFIED for check in self.checks)
 
     @property
@@ -258,11 +264,14 @@ class SweepResult(Summarised, Drawn, Labelled):
             return found[path]
         rule, remedy = "is no measurement path", f"one of {', '.join(found)}"
         if path == "sampled":
-            least, half = self.plants.delay.min(), self.model.period / 2
+            least, half = self.model.explicit.delay.min(), self.model.period / 2
             rule = (
                 f"has no hold to run with: the least total delay, {least:g} s, is below {half:g} s"
             )
-            remedy = f"raise uncertainty.delay, which holds half a sampling period, or ask {remedy}"
+            remedy = (
+                "raise uncertainty.delay_as_it_runs, which holds half a sampling period, or ask "
+                f"{remedy}"
+            )
         raise InputError(f"sweep of {self.study.name}", Fault("path", repr(path), rule, remedy))
 
     def to_control(

@@ -68,6 +68,12 @@ def to_dataset(result: SweepResult) -> xr.Dataset:
     for name, unit in _UNITS.items():
         column = getattr(plants, name)
         coordinates[name] = xr.DataArray(column, dims="plant", attrs={"units": unit})
+    explicit = result.model.explicit.delay
+    coordinates["delay_as_it_runs"] = xr.DataArray(
+        np.concatenate([explicit, np.full(count - len(explicit), np.nan)]),
+        dims="plant",
+        attrs={"units": "s", "long_name": "delay with the paths filters and sampled"},
+    )
     if members is not None:
         names = [""] * len(result.plants.mass) + list(members.names)
         attributes = {"long_name": "measured response behind the plant"}

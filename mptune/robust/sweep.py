@@ -23,6 +23,7 @@ from mptune.robust.certificates import (
     use_of_curve,
 )
 from mptune.robust.condition import Sides
+from mptune.robust.demands import running_checks
 from mptune.robust.families import as_sampled, true_family
 from mptune.robust.grid import first_grid, frequency_range, refinement
 from mptune.robust.model import LinearModel
@@ -31,7 +32,7 @@ from mptune.robust.verdict import allowed_ratio, check_requirements
 
 if TYPE_CHECKING:
     from mptune.certify.result import Bound
-    from mptune.params.controller import Gains
+    from mptune.params.controller import Feedforward, Gains
     from mptune.params.packed import LoopGains
     from mptune.params.requirements import RatioCurve
     from mptune.params.study import ResolvedStudy
@@ -44,15 +45,19 @@ _ROUNDS = 40
 _NOTHING = 1e-12  # a ratio that rounding alone can have
 
 
-def sweep(study: ResolvedStudy | LinearModel, gains: Gains | None = None) -> SweepResult:
+def sweep(
+    study: ResolvedStudy | LinearModel,
+    gains: Gains | None = None,
+    feedforward: Feedforward | None = None,
+) -> SweepResult:
     """Sweep mass × delay × τ_A × τ_B × frequency for one set of gains.
 
     Parameters
     ----------
     study
         The study, or its linear model where that is at hand.
-    gains
-        The gains; the study's own where None.
+    gains, feedforward
+        What is judged; the study's own where None. Feed-forward counts for tracking alone.
 
     Returns
     -------
@@ -72,6 +77,8 @@ def sweep(study: ResolvedStudy | LinearModel, gains: Gains | None = None) -> Swe
     proofs = certify(model, packed)
     premises = _premises(model, packed, of_equations, proofs)
     conditions = _conditions(model, omega, found, converged, premises, proofs)
+    ahead = feedforward or model.study.study.feedforward
+    checks = check_requirements(model, conditions, true, sampled, noise, proofs)
     return SweepResult(
         model=model,
         gains=gains,
@@ -84,7 +91,7 @@ def sweep(study: ResolvedStudy | LinearModel, gains: Gains | None = None) -> Swe
         noise_force=noise_force(
             packed, model.filters, study_noise.position_noise, force_noise(model.study)
         ),
-        checks=check_requirements(model, conditions, true, sampled, noise, proofs),
+        checks=checks + running_checks(model, packed, ahead, proofs),
         certificates=proofs,
     )
 

@@ -11,6 +11,7 @@ from mptune.loops.broken import FORCE
 from mptune.robust.certificates import Certificates, against, margin_against, place_of
 from mptune.robust.result import Check, Condition, Status
 from mptune.robust.tables import EQUATIONS
+from mptune.units import exact
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
@@ -79,14 +80,14 @@ def check_requirements(
     if requirements.noise_gain is not None:
         met = noise <= requirements.noise_gain
         status = Status.SATISFIED if met else Status.VIOLATED
-        text = f"≤ {requirements.noise_gain:.4g}"
+        text = f"≤ {exact(requirements.noise_gain)}"
         checks.append(Check("noise_gain", "noise_gain", text, noise, status, None))
     return tuple(checks)
 
 
 def _ratio_check(condition: Condition, limit: float | RatioCurve) -> Check:
     if isinstance(limit, float):
-        text, found, at = f"≤ {limit:g}", condition.worst_ratio, condition.at
+        text, found, at = f"≤ {exact(limit)}", condition.worst_ratio, condition.at
     else:
         text, found, at = "≤ 1 of the curve", condition.worst_use, condition.worst_use_at
     key = f"{condition.name}_ratio"
@@ -116,7 +117,7 @@ def _margin_check(
     family: Family | None, key: str, margin: str, limit: float, proofs: Certificates | None
 ) -> Check:
     least = margin == "gain_margin"
-    text = f"{'≥' if least else '≤'} {limit:g}"
+    text = f"{'≥' if least else '≤'} {exact(limit)}"
     if family is None:
         return Check(key, key, text, float("nan"), Status.NOT_EVALUATED, None)
     found, at = family.worst(margin, FORCE)

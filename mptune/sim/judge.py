@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from mptune.sim.record import RunRecord
 
 _DEVIATION = 0.2  # of the peak reference velocity: a larger one counts as a swing
+_YEAR = 365.25 * 86400.0  # s
 _PERIOD = 0.25  # s: swings further apart are no oscillation
 LIMIT_CYCLE_SWINGS = 8  # alternating swings in a row
 
@@ -53,19 +54,21 @@ class SetFigures:
     energy_residual: float  # what the energies fail to close by, over the energy put in
     oscillation: int  # longest run of alternating large velocity deviations
     saturated_s: float  # time with the force reference at its limit
+    busiest_valve_per_s: float = np.nan  # switches of the valve that switches most
 
 
 def set_figures(record: RunRecord) -> SetFigures:
     """Return the figures of one movement set."""
-    tick, travel = record.sample_time, 1e3 * record.travel
+    tick, travel = record.sample_time, 1e3 * record.travel or np.nan  # no way, no figure per way
     last = np.clip(np.rint(record.ends / tick).astype(np.int64) - 1, 0, len(record.position) - 1)
     low, high = record.force_limits
     at_limit = (record.force_reference <= low) | (record.force_reference >= high)
     pressures = np.array([np.nan]) if record.pressures is None else record.pressures
     converters = np.array([np.nan]) if record.converters is None else record.converters
     error, velocity = record.error, record.velocity
+    duration = tick * len(error)
     return SetFigures(
-        performance_index_ms=1e3 * performance_index(error, velocity),
+        performance_index_ms=1e3 * performance_index(error, velocity) if record.travel else np.nan,
         energy_loss_j_per_mm=record.energies.loss / travel,
         pump_loss_j_per_mm=record.energies.pump_loss / travel,
         force_error_integral_kn2s=float((record.force_error**2).sum()) * tick / 1e6,
@@ -78,12 +81,32 @@ def set_figures(record: RunRecord) -> SetFigures:
         energy_residual=record.energies.residual,
         oscillation=longest_oscillation(velocity, record.velocity_reference, tick),
         saturated_s=float(at_limit.sum()) * tick,
+        busiest_valve_per_s=np.nan if record.busiest is None else record.busiest / duration,
     )
 
 
+def per_year(per_second: float, duty: float) -> float:
+    """Return how often in a year something happens that happens so often per second at work.
+
+    Parameters
+    ----------
+    per_second
+        While the machine works [1/s].
+    duty
+        Share of the year in which it does.
+    """
+    return per_second * duty * _YEAR
+
+
 def performance_index(error: FloatArray, velocity: FloatArray) -> float:
-    """Return the peak position error over the peak velocity [s], §7.2."""
-    return float(np.abs(error).max() / np.abs(velocity).max())
+    """Return the peak position error over the peak velocity [s], §7.2.
+
+    Infinite where nothing moved that should have, and NaN where nothing had to.
+    """
+    largest, fastest = float(np.abs(error).max()), float(np.abs(velocity).max())
+    if fastest == 0:
+        return float("inf") if largest > 0 else float("nan")
+    return largest / fastest
 
 
 def longest_oscillation(

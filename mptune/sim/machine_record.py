@@ -28,6 +28,7 @@ def record_of(
     tick: float,
     force_limits: tuple[float, float],
     begin: float = 0.0,
+    busiest: int | None = None,
 ) -> RunRecord:
     """Return the record of one movement set; it looks at the trace and does not copy it.
 
@@ -49,6 +50,8 @@ def record_of(
         Least and largest force reference [N].
     begin
         When the set began [s].
+    busiest
+        Switches of the busiest valve in the set; None where they were not counted.
     """
     with np.errstate(invalid="ignore", over="ignore"):  # of a run that left the numbers
         force = machine.area_a * trace[:, loop.CHAMBER_A]
@@ -70,6 +73,7 @@ def record_of(
         broken=broken_limits(trace, machine, tick, begin),
         pressures=trace[:, _CHAMBERS],
         converters=trace[:, _CONVERTERS],
+        busiest=busiest,
     )
 
 

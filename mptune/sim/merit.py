@@ -124,6 +124,8 @@ MERITS = (
     Merit("pressure_max_mpa", "pressure_max", "Largest pressure", "p max", "MPa", 1e6, _LARGEST),
     Merit("energy_residual", "energy_residual", "Energy residual", "residual",
           "1", 1.0, _LARGEST),
+    Merit("busiest_valve_per_s", "busiest_valve", "Switches of the busiest valve", "busiest valve",
+          "1/s", 1.0, _MEAN),
 )  # fmt: skip
 _BY_KEY = {merit.key: merit for merit in MERITS}
 

@@ -102,6 +102,9 @@ class RunRecord(Summarised):
         ``(T, P)`` of the chambers [Pa]; None where there are none.
     converters
         ``(T, C)`` of the converter pistons from their centres [m]; None where there are none.
+    busiest
+        How often the valve that switches most was switched in the set; None where it was not
+        counted.
     """
 
     sample_time: float
@@ -120,6 +123,7 @@ class RunRecord(Summarised):
     broken: tuple[BrokenLimit, ...] = ()
     pressures: FloatArray | None = None
     converters: FloatArray | None = None
+    busiest: int | None = None
 
     def __post_init__(self) -> None:
         """Look at every array through a view that nobody can write to."""

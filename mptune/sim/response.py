@@ -29,7 +29,14 @@ if TYPE_CHECKING:
     from mptune.sim.lag import Fade
 
 _LONGEST_STEP = 5e-4  # s; and no longer than a sample of the measurement path
+_MOST_STEPS = 100_000  # that a response drawn is followed: 50 s
 _AT_REST = np.zeros((1, 7))
+
+
+def farthest(loops: FamilyLoops) -> float:
+    """Return how long a response may be drawn [s]: so many steps of the plant of the shortest."""
+    longest = min(_LONGEST_STEP, loops.path.sample_time or _LONGEST_STEP)
+    return _MOST_STEPS * min(longest, float(loops.plants.delay.min()))
 
 
 def velocity_step(loops: FamilyLoops, time: FloatArray) -> FloatArray:

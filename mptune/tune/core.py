@@ -212,7 +212,7 @@ def _sampled(
     model: LinearModel, gains: LoopGains, every: IntArray, omega: FloatArray, rows: IntArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return the sampled loops over G_P at Tustin's frequencies, and their parts without it."""
-    plants, where = model.plants.picked(every[rows]), (model.filters, model.period)
+    plants, where = model.explicit.picked(every[rows]), (model.filters, model.period)
     parts = _sampled_parts(omega, plants, gains.k_p_vel, *where)
     return parts[0], parts[1]
 

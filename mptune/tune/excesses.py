@@ -1,8 +1,8 @@
 """The study's requirements as numbers that must not exceed 0, on the plants that bind.
 
 Each is the logarithm of found over allowed. Eq. 21 needs no plants but its envelope max|Δ_pos|(ω),
-which a handful of plants make; M_S, M_T and the sampled loop need the plants that are worst in
-them. Both sets grow: a search asks the few, and ``grow`` asks the whole family afterwards.
+which a handful of plants make; M_S, M_T and the loop as it runs need the plants that are worst
+in them. Both sets grow: a search asks the few, and ``grow`` asks the whole family afterwards.
 Measured members are always asked, of Eq. 21, M_S and M_T.
 
 Eq. 17 is not among them: every velocity gain up to the largest, known in closed form, meets it.
@@ -10,18 +10,21 @@ Eq. 17 is not among them: every velocity gain up to the largest, known in closed
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mptune.loops.broken import FORCE
 from mptune.loops.noise import noise_gain
-from mptune.loops.sampled import stable_as_sampled
+from mptune.loops.running import running_family
 from mptune.robust.grid import frequency_range
-from mptune.robust.margins import family_margins, sampled_margins
+from mptune.robust.margins import family_margins
 from mptune.robust.measured_loops import member_margins
+from mptune.robust.running import family_figures, running_figures
 from mptune.robust.sweep import CONVERGED
 from mptune.robust.verdict import allowed_ratio
+from mptune.sim.running import step_figures
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -30,6 +33,7 @@ if TYPE_CHECKING:
     from mptune.params.packed import LoopGains
     from mptune.robust.model import LinearModel
     from mptune.robust.place import PlantPoint
+    from mptune.robust.running import RunningFigures
 
 WINDOWS = 40  # of frequency, each judged by its largest ratio
 POINTS = 25 * WINDOWS  # frequencies of the envelope
@@ -39,10 +43,18 @@ _GROWN = 1e-6  # of a quotient's logarithm: a plant that is worse by less is not
 _ROUNDING = 1e-5  # kept in hand of every other limit
 _FARTHEST = -5.0  # below a limit: a margin without limit is no farther
 _UNSTABLE = 7.0  # a peak's logarithm where there is no finite one
+_LOWEST = 0.1  # of the envelope's lowest frequency: there loops as they run are first asked
+_STABLE_BY = 1e-3  # disk margin of a loop that a search calls stable
+_LEAST_OVERSHOOT = 1e-3  # taken for none
 
-POSITION, NOISE = "position_ratio", "noise_gain"
+SAMPLED = (
+    "sampled_sensitivity_peak", "gain_margin", "disk_margin", "phase_margin", "delay_margin",
+    "peak_compliance",
+)  # fmt: skip
+POSITION, NOISE, STABLE = "position_ratio", "noise_gain", "unstable_plants"
 PEAKS = ("sensitivity_peak", "complementary_peak")
-SAMPLED = ("sampled_sensitivity_peak", "gain_margin")
+STEPS = ("overshoot", "settling_time")
+AS_IT_RUNS = (*SAMPLED, *STEPS)
 
 
 def _with(omega: FloatArray, added: FloatArray) -> FloatArray:
@@ -66,7 +78,8 @@ class Excess(NamedTuple):
         """Return the place; None for requirements that know no plant."""
         if self.plant < 0:
             return None
-        return model.point(self.plant, self.frequency)
+        as_it_runs = self.requirement in {*AS_IT_RUNS, STABLE}
+        return model.point(self.plant, self.frequency, as_it_runs=as_it_runs)
 
 
 class Excesses:
@@ -91,7 +104,7 @@ class Excesses:
         self._omega = np.geomspace(low, high, POINTS)
         if model.members is not None:
             self._omega = _with(self._omega, model.members.omega)
-        self._coarse = np.geomspace(low, high, _MARGIN_POINTS)
+        self._coarse, self._low = np.geomspace(low, high, _MARGIN_POINTS), _LOWEST * low
         limit = model.requirements.position_ratio
         in_hand = np.log1p(-_IN_HAND) - self._hand.get(POSITION, 0.0)
         self._allowed = np.log(allowed_ratio(limit, self._omega)) + in_hand
@@ -99,19 +112,22 @@ class Excesses:
         corners = model.corners()
         members = model.members
         self._true = corners[:0] if members is not None and members.instead else corners
-        self._sampled = corners
         self._peaks = tuple(name for name in PEAKS if getattr(model.requirements, name) is not None)
         # Where no hold fits into the delay there is no sampled loop to ask: the verdict says so.
-        self._of_sampled = tuple(
-            name for name in SAMPLED if model.runs and getattr(model.requirements, name) is not None
+        self._of_sampled, self._of_steps = (
+            tuple(name for name in names if model.runs and self._limit(name) is not None)
+            for names in (SAMPLED, STEPS)
         )
+        if model.runs and (self._of_sampled or model.study.study.objective.runs):
+            self._of_sampled = (STABLE, *self._of_sampled)
+        self._ask_sampled(corners)
 
     @property
     def plants(self) -> int:
         """Number of plants that are asked."""
         asked = [self._envelope]
         asked += [self._true] if self._peaks else []
-        asked += [self._sampled] if self._of_sampled else []
+        asked += [self._sampled] if self._of_sampled or self._of_steps else []
         return len(np.unique(np.concatenate(asked)))
 
     @property
@@ -120,7 +136,7 @@ class Excesses:
         found = [POSITION] * WINDOWS
         measured = len(self._model.members) if self._model.members is not None else 0
         found += [name for name in self._peaks for _ in range(len(self._true) + measured)]
-        found += [name for name in self._of_sampled for _ in self._sampled]
+        found += [name for name in (*self._of_sampled, *self._of_steps) for _ in self._sampled]
         if self._model.requirements.noise_gain is not None:
             found.append(NOISE)
         return tuple(found)
@@ -130,7 +146,7 @@ class Excesses:
         ratio = self._ratio_excess(gains, self._envelope)[0]
         parts = [ratio.reshape(WINDOWS, -1).max(axis=1)]
         parts += [values for _, values, _ in self._peak_excesses(gains, self._true)]
-        parts += [values for _, values, _ in self._sampled_excesses(gains, self._sampled)]
+        parts += [values for _, values, _ in self._sampled_excesses(gains)]
         noise = self._noise_excess(gains)
         return np.asarray(np.maximum(np.concatenate([*parts, noise]), _FARTHEST))
 
@@ -171,7 +187,7 @@ class Excesses:
             elif one.requirement in PEAKS:
                 self._true = np.union1d(self._true, [one.plant])
             else:
-                self._sampled = np.union1d(self._sampled, [one.plant])
+                self._ask_sampled(np.union1d(self._sampled, [one.plant]))
         return found, added
 
     def _ratio_excess(self, gains: LoopGains, rows: IntArray) -> tuple[FloatArray, IntArray]:
@@ -206,30 +222,51 @@ class Excesses:
             found.append((name, np.log(peak / limit) + self._rounding(name), frequency))
         return found
 
+    def _limit(self, name: str) -> float | None:
+        limit: float | None = getattr(self._model.requirements, name)
+        return limit
+
+    def _ask_sampled(self, rows: IntArray) -> None:
+        """Ask these plants of the loop as it runs."""
+        model, self._sampled = self._model, rows
+        if self._of_sampled:
+            plants = model.as_it_runs(model.gains).plants.picked(rows)
+            self._running = running_family(self._low, plants, model.filters, model.period)
+
     def _sampled_excesses(
-        self, gains: LoopGains, rows: IntArray
+        self, gains: LoopGains, rows: IntArray | None = None
     ) -> list[tuple[str, FloatArray, FloatArray]]:
-        if not self._of_sampled:
+        """Return the excesses of plants as they run: of those asked, or of other rows."""
+        model, found = self._model, []
+        if not (self._of_sampled or self._of_steps):
             return []
-        model = self._model
-        loops = model.as_it_runs(gains, model.plants.picked(rows))
-        stable = stable_as_sampled(loops, model.period)[0]
-        margins = sampled_margins(self._coarse, loops, model.period)
-        found = []
-        if "sampled_sensitivity_peak" in self._of_sampled:
-            limit = model.requirements.sampled_sensitivity_peak
-            peak = np.log(margins.sensitivity_peak[FORCE] / limit)
-            peak += self._rounding("sampled_sensitivity_peak")
-            peak = np.where(stable, peak, _UNSTABLE)
-            found.append(("sampled_sensitivity_peak", peak, margins.sensitivity_frequency[FORCE]))
-        if "gain_margin" in self._of_sampled:
-            limit = model.requirements.gain_margin
-            # An unstable loop's margin is below 1: the factor that would make it stable.
-            factor = np.where(stable, margins.gain_margin[FORCE], margins.gain_reduction[FORCE])
-            at = np.where(stable, margins.gain_frequency[FORCE], margins.reduction_frequency[FORCE])
-            over = np.log(limit / np.clip(factor, 1e-3, 1e3)) + self._rounding("gain_margin")
-            found.append(("gain_margin", over, at))
+        loops = model.as_it_runs(gains)
+        loops = replace(loops, plants=loops.plants.picked(self._sampled if rows is None else rows))
+        if self._of_sampled and rows is None:
+            figures = running_figures(self._running, gains)
+        elif self._of_sampled:
+            figures = family_figures(loops, model.period, self._low)
+        for name in self._of_sampled:
+            excess, frequency = _over(name, self._limit_of(name), figures)
+            found.append((name, excess, frequency))
+        if self._of_steps:
+            asked = self._limit("settling_time")
+            steps = step_figures(loops, model.period, asked or 0.0)
+            nowhere = np.full(loops.plants.number, np.nan)
+            for name in self._of_steps:
+                over = steps.late_deviation
+                if name == "overshoot":
+                    limit = max(self._limit(name) or 0.0, _LEAST_OVERSHOOT)
+                    over = np.maximum(steps.overshoot, _LEAST_OVERSHOOT / 2) / limit
+                over = np.log(np.clip(np.nan_to_num(over, nan=np.inf), 1e-12, 1e3))
+                found.append((name, over + self._rounding(name), nowhere))
         return found
+
+    def _limit_of(self, name: str) -> float:
+        """Return a limit of the loop as it runs, with what is kept in hand of it."""
+        limit = 1.0 if name == STABLE else (self._limit(name) or 1.0)
+        hand = self._rounding(name)
+        return limit * float(np.exp(hand if name.endswith("margin") else -hand))
 
     def _rounding(self, name: str) -> float:
         return _ROUNDING + self._hand.get(name, 0.0)
@@ -239,3 +276,25 @@ class Excesses:
         if limit is None:
             return np.zeros(0)
         return np.log([noise_gain(gains, self._model.filters) / limit]) + _ROUNDING
+
+
+def _over(name: str, limit: float, found: RunningFigures) -> tuple[FloatArray, FloatArray]:
+    """Return by how much a figure of loops as they run is over its limit, and where.
+
+    Margins pass through zero where a loop becomes unstable and so are compared as they are, which
+    near the limit is their logarithm as well.
+    """
+    stable = found.stable > 0
+    if name == STABLE:
+        return _STABLE_BY - found.disk_margin, found.disk_frequency
+    if name == "gain_margin":  # an unstable loop's is below 1: the factor that would mend it
+        return np.log(limit / np.clip(found.gain_margin, 1e-3, 1e3)), found.gain_frequency
+    if name in {"disk_margin", "phase_margin", "delay_margin"}:
+        frequency = getattr(found, name.replace("margin", "frequency"))
+        over = np.clip(1 - getattr(found, name) / limit, _FARTHEST, _UNSTABLE)
+        return over, frequency
+    if name == "peak_compliance":
+        over, at = np.log(found.peak_compliance / limit), found.compliance_frequency
+    else:
+        over, at = np.log(found.sensitivity_peak / limit), found.sensitivity_frequency
+    return np.where(stable, over, _UNSTABLE), at

@@ -8,27 +8,27 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.loops.family import FamilyLoops
-from mptune.params.pack import pack_feedforward
-from mptune.params.packed import LoopGains, Plant, Plants
+from mptune.loops.running import running_family
 from mptune.robust.condition import nominal_loops
-from mptune.sim.moves import distinct_moves
-from mptune.sim.response import load_step, tracking
-from mptune.sim.sampled import run_linear
+from mptune.robust.running import family_figures, running_figures
+from mptune.robust.tracking import family_tracking
+from mptune.sim.response import farthest, load_step
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
+    from mptune.params.packed import LoopGains
     from mptune.params.requirements import Objective
     from mptune.robust.model import LinearModel
-    from mptune.sim.moves import Moves
+    from mptune.robust.running import RunningFigures
     from mptune.tune.space import Choice
 
-BINS = 16  # of time: the error's peak in each is a smooth function of the gains
-_SAMPLES_PER_MOVE = 20 * BINS
 _LOAD_TIME = 12.0  # over K_P,pos: long after the peak
 _LONGEST_LOAD_TIME = 30.0  # s
 _LOAD_SAMPLES = 400
 _SLOW = 0.7  # of the slowest corner's index: corners below it are left to ``grow``
-KINDS = ("tracking", "disturbance", "load-step", "bandwidth")
+_GROWN = 1e-4  # of a disk margin: a plant that is worse by less is not added
+_LOWEST = 0.05  # rad/s, of the loops as they run
+KINDS = ("tracking", "disturbance", "load-step", "bandwidth", "robustness")
 
 
 @dataclass(frozen=True)
@@ -45,16 +45,28 @@ class Figures:
         Largest peak of the position's deviation per newton of a load step [m/N].
     bandwidth
         Frequency where the nominal closed position loop falls below −3 dB [rad/s].
+    disk_margin, peak_compliance
+        Smallest α, negative where a loop is unstable, and largest |S|/(mω²) [m/N] of the loop as it
+        runs over the plants asked; NaN where there is none.
     """
 
     tracking: float
     integral_gain: float
     load_step: float
     bandwidth: float
+    disk_margin: float = float("nan")
+    peak_compliance: float = float("nan")
 
     def json(self) -> dict[str, float]:
         """Return the figures in SI, units in the keys."""
-        keys = ("tracking_index_s", "k_i_pos", "load_step_m_per_n", "bandwidth_rad_s")
+        keys = (
+            "tracking_index_s",
+            "k_i_pos",
+            "load_step_m_per_n",
+            "bandwidth_rad_s",
+            "disk_margin",
+            "peak_compliance_m_per_n",
+        )
         return {
             key: getattr(self, field.name) for key, field in zip(keys, fields(self), strict=True)
         }
@@ -77,39 +89,59 @@ class Judge:
     """
 
     def __init__(self, model: LinearModel, start: Choice) -> None:
-        self._model, self._moves = model, distinct_moves(model.study.study.manoeuvre)
-        self._sampled = model.study.study.objective.tracking_loop == "sampled"
-        self._tracking = self._loaded = model.corners()
+        self._model = model
+        self._tracking = self._loaded = self._running = model.corners()
+        self._ask_running()
         peaks = self.tracking_peaks(start).max(axis=(1, 2))
-        free = model.study.study.objective.free_feedforward
-        if np.isfinite(peaks).all() and not free:
+        if np.isfinite(peaks).all() and not model.study.study.objective.turned:
             self._tracking = self._tracking[peaks >= _SLOW * peaks.max()]
 
     @property
     def plants(self) -> int:
         """Number of plants that are asked."""
-        return len(np.union1d(self._tracking, self._loaded))
+        return len(np.unique(np.concatenate([self._tracking, self._loaded, self._running])))
 
     def figures(self, choice: Choice) -> Figures:
         """Return the figures of merit of one candidate."""
+        running = self._run(choice.gains)
         return Figures(
             tracking=float(self.tracking_peaks(choice).max()),
             integral_gain=choice.gains.k_i_pos,
             load_step=float(self.load_peaks(choice.gains).max()),
             bandwidth=self.bandwidth(choice.gains),
+            disk_margin=float(running.disk_margin.min()) if running else np.nan,
+            peak_compliance=float(running.peak_compliance.max()) if running else np.nan,
         )
 
     def tracking_peaks(self, choice: Choice, rows: IntArray | None = None) -> FloatArray:
         """Return each plant's, move's and time window's peak error over its peak velocity [s].
 
-        Shape ``(n, M, BINS)``. The continuous loop has velocity feed-forward alone, exact dead
-        time, and the measurement path of the study's model; the sampled one is the loop as it
-        runs, feed-forward included.
+        See ``mptune.robust.tracking``.
         """
-        plants = self._model.plants.picked(self._tracking if rows is None else rows)
-        found = _as_sampled if self._sampled else _continuous
-        peaks = [found(self._model, plants, choice, move) for move in self._moves]
-        return np.asarray(np.stack(peaks, axis=1))
+        rows = self._tracking if rows is None else rows
+        return family_tracking(self._model, choice.gains, choice.feedforward, rows)
+
+    def disk_margins(self, gains: LoopGains) -> FloatArray:
+        """Return each plant's disk margin as it runs, negative where unstable; empty if none."""
+        running = self._run(gains)
+        return running.disk_margin if running else np.zeros(0)
+
+    def ask(self, model: LinearModel) -> None:
+        """Ask a model whose family holds one plant more, as the last."""
+        last = [len(model.plants.mass) - 1]
+        self._model = model
+        self._running = np.union1d(self._running, last)
+        self._ask_running()
+
+    def _ask_running(self) -> None:
+        model = self._model
+        self._family = None
+        if model.runs:
+            plants = model.as_it_runs(model.gains).plants.picked(self._running)
+            self._family = running_family(_LOWEST, plants, model.filters, model.period)
+
+    def _run(self, gains: LoopGains) -> RunningFigures | None:
+        return running_figures(self._family, gains) if self._family else None
 
     def load_peaks(self, gains: LoopGains, rows: IntArray | None = None) -> FloatArray:
         """Return each plant's largest position deviation per newton of a load step [m/N]."""
@@ -118,10 +150,9 @@ class Judge:
             self._model.plants.picked(self._loaded if rows is None else rows),
         )
         end = _LOAD_TIME / max(gains.k_p_pos, _LOAD_TIME / _LONGEST_LOAD_TIME)
-        time = np.linspace(0, end, _LOAD_SAMPLES)
-        return np.asarray(
-            np.abs(load_step(FamilyLoops(plants, gains, model.path), time)).max(axis=1)
-        )
+        loops = FamilyLoops(plants, gains, model.path)
+        time = np.linspace(0, min(end, farthest(loops)), _LOAD_SAMPLES)
+        return np.asarray(np.abs(load_step(loops, time)).max(axis=1))
 
     def bandwidth(self, gains: LoopGains) -> float:
         """Return the −3 dB bandwidth of the nominal closed position loop [rad/s]."""
@@ -155,27 +186,11 @@ class Judge:
             worst["load-step"] = float(peaks.max())
             if peaks.max() > 1.001 * peaks[self._loaded].max():
                 self._loaded, added = np.union1d(self._loaded, [int(np.argmax(peaks))]), True
+        if "robustness" in kinds:
+            loops = self._model.as_it_runs(choice.gains)
+            found = family_figures(loops, self._model.period, _LOWEST).disk_margin
+            worst["robustness"] = float(found.min())
+            if found.min() < found[self._running].min() - _GROWN:
+                self._running, added = np.union1d(self._running, [int(np.argmin(found))]), True
+                self._ask_running()
         return worst, added
-
-
-def _continuous(model: LinearModel, plants: Plants, choice: Choice, move: Moves) -> FloatArray:
-    time = np.linspace(0, move.duration, _SAMPLES_PER_MOVE + 1)
-    wanted = move.sampled(_SAMPLES_PER_MOVE)
-    loops = FamilyLoops(plants, choice.gains, model.path)
-    position, velocity = tracking(loops, time, move.pieces)
-    error = np.abs(position - wanted)[:, 1:].reshape(len(plants.mass), BINS, -1).max(axis=2)
-    return np.asarray(error / np.abs(velocity).max(axis=1)[:, None])
-
-
-def _as_sampled(model: LinearModel, plants: Plants, choice: Choice, move: Moves) -> FloatArray:
-    fast = model.filters.sample_time
-    ahead = pack_feedforward(choice.feedforward, fast)
-    ticks = round(move.duration / fast) // BINS * BINS
-    found = np.empty((len(plants.mass), BINS))
-    for n, plant in enumerate(map(Plant._make, zip(*plants, strict=True))):
-        wanted, position, velocity, _ = run_linear(
-            plant, choice.gains, model.filters, model.period, move.pieces, ahead, ticks
-        )
-        error = np.abs(wanted - position).reshape(BINS, -1).max(axis=1)
-        found[n] = error / np.abs(velocity).max()
-    return found

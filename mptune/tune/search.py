@@ -10,11 +10,11 @@ import numpy as np
 
 from mptune.progress import silent
 from mptune.tune.excesses import Excesses
-from mptune.tune.objective import Judge, weights_of
-from mptune.tune.polish import Polished, Values, polish
+from mptune.tune.polish import Polished, polish
 from mptune.tune.result import Concession, Round
 from mptune.tune.space import Choice, Space, space_of
 from mptune.tune.starts import first_points, screened
+from mptune.tune.worth import Worth
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Mapping
@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from mptune.progress import Progress
     from mptune.robust.model import LinearModel
     from mptune.tune.excesses import Excess
-    from mptune.tune.objective import Figures
+    from mptune.tune.objective import Figures, Judge
 
 _ROUNDS = 8
 _REPEATS, _GAINED = 6, 1e-3  # of a polish, and what makes another one worth its while
@@ -33,7 +33,6 @@ _LEAST_STARTS = 5  # before two that agree are believed
 _BROKEN = 20.0  # weight of a broken requirement, as a logarithm, beside the cost's
 _BINDING = 2e-3  # of a logarithm
 _MET = 1e-5  # an excess that counts as none
-_NO_INTEGRAL = 1e-6  # 1/s²: stands for a gain of 0, whose inverse is wanted
 
 
 @dataclass(frozen=True)
@@ -102,8 +101,7 @@ class GainSearch:
         own = model.gains.k_p_vel if self._space.crowded else largest_velocity_gain
         self._start = model.gains._replace(k_p_vel=min(own, largest_velocity_gain))
         self._required = Excesses(model, self._start, hand)
-        self._weights = weights_of(model.study.study.objective)
-        self._kept: dict[str, float] = {}  # earlier objectives and the most that they may become
+        self._worth = Worth(model, judge, before, self._space, self._required, hand)
         self._evaluations = 0
 
     @property
@@ -122,17 +120,14 @@ class GainSearch:
         for kind in objective.then:
             if not found.feasible:
                 break
-            last = next(iter(self._weights))
-            value = self._value(found.choice, last)
-            self._kept[last] = value * (1 + objective.keep)
-            self._weights = {kind: 1.0}
+            self._worth.turn_to(kind, found.choice, objective.keep)
             better = self._improve([self._space.point(found.choice)], progress)
             found = better if better.feasible else found
         return found
 
     def reliefs(self, found: Searched) -> tuple[Concession, ...]:
         """Return how far each requirement would have to give, on the plants that bind."""
-        names = np.array(self._names())
+        names = np.array(self._worth.names())
         reliefs = []
         for name in dict.fromkeys(names.tolist()):
             mask = names == name
@@ -161,17 +156,20 @@ class GainSearch:
             best = self._again(best) if n > 0 else best
             choice = self._space.choice(best.point)
             worst, more = self._required.grow(choice.gains)
-            _, slower = self._judge.grow(choice, (*self._weights, *self._kept))
+            asked, slower = self._judge.grow(choice, self._worth.kinds)
+            worst += self._worth.bounded(asked)
             largest = max(one.excess for one in worst)
             plants = self._required.plants + self._judge.plants
-            cost = self._evaluate(best.point).cost
+            cost = self._worth.of(best.point).cost
             rounds.append(Round(cost, float(np.exp(largest)), plants))
             if not (more or slower):
                 break
         feasible = best.values.feasible and largest <= _MET
         if not feasible:
             best = self._nearest(best)
-            worst = self._required.worst(self._space.choice(best.point).gains)
+            choice = self._space.choice(best.point)
+            asked = self._judge.grow(choice, self._worth.kinds)[0]
+            worst = (*self._required.worst(choice.gains), *self._worth.bounded(asked))
             feasible = max(one.excess for one in worst) <= _MET
         progress("tune", 1.0)
         return Searched(
@@ -192,20 +190,20 @@ class GainSearch:
 
     def _nearest(self, best: Polished) -> Polished:
         """Return the point nearest to every requirement, whatever the objective."""
-        return self._polish(best.point, np.ones(len(best.values.excesses), np.bool_))
+        count = len(self._worth.names())  # plants may have been added since the point was found
+        return self._polish(best.point, np.ones(count, np.bool_))
 
     def _starts(self, first: Choice | None) -> Iterable[FloatArray]:
         if first is not None:
             return [self._space.point(first)]
-        kind = max(self._weights, key=lambda kind: self._weights[kind])
         return chain(
-            first_points(self._model, self._space, self._start, kind),
+            first_points(self._model, self._space, self._start, self._worth.heaviest),
             screened(self._space, self._merit),
         )
 
     def _merit(self, point: FloatArray) -> float:
         """Return how good a start looks: its cost, and above all what it breaks."""
-        values = self._evaluate(point)
+        values = self._worth.of(point)
         broken = max(float(values.excesses.max(initial=-1.0)), 0.0)
         return float(np.log(max(values.cost, 1e-300))) + _BROKEN * broken
 
@@ -229,70 +227,15 @@ class GainSearch:
         return best
 
     def _polish(self, start: FloatArray, relieved: np.ndarray | None = None) -> Polished:
-        evaluate = self._evaluate if relieved is None else self._evaluate_requirements
+        evaluate = self._worth.of if relieved is None else self._worth.of_requirements
         found = polish(evaluate, start, self._space.low, self._space.high, relieved)
         self._evaluations += found.evaluations
         return found
 
-    def _evaluate(self, point: FloatArray) -> Values:
-        choice = self._space.choice(point)
-        peaks = np.zeros(0)
-        if "tracking" in self._weights:
-            share = self._weights["tracking"] / self._base("tracking")
-            peaks = share * self._judge.tracking_peaks(choice).ravel()
-        smooth = sum(
-            weight * self._value(choice, kind) / self._base(kind)
-            for kind, weight in self._weights.items()
-            if kind != "tracking"
-        )
-        return Values(peaks, float(smooth), self._excesses(choice))
-
-    def _evaluate_requirements(self, point: FloatArray) -> Values:
-        return Values(np.zeros(0), 0.0, self._excesses(self._space.choice(point)))
-
-    def _excesses(self, choice: Choice) -> FloatArray:
-        """Return the requirements' excesses, and those of earlier objectives."""
-        kept = [
-            np.log(self._values(choice, kind).ravel() / most) for kind, most in self._kept.items()
-        ]
-        return np.concatenate([self._required.of(choice.gains), *kept])
-
-    def _names(self) -> list[str]:
-        """Return the name behind each excess."""
-        names = [*self._required.names]
-        for kind in self._kept:
-            count = np.size(self._values(self._space.choice(self._space.low), kind))
-            names += [f"objective {kind}"] * count
-        return names
-
-    def _values(self, choice: Choice, kind: str) -> FloatArray:
-        """Return what is to be small of one kind of objective."""
-        if kind == "tracking":
-            return self._judge.tracking_peaks(choice)
-        if kind == "load-step":
-            return self._judge.load_peaks(choice.gains)
-        if kind == "disturbance":
-            return np.array([1 / max(choice.gains.k_i_pos, _NO_INTEGRAL)])
-        return np.array([1 / self._judge.bandwidth(choice.gains)])
-
-    def _value(self, choice: Choice, kind: str) -> float:
-        return float(self._values(choice, kind).max())
-
-    def _base(self, kind: str) -> float:
-        """Return the study's own gains' value of one kind of objective; 1 where they have none."""
-        before = self._before
-        value = {
-            "tracking": before.tracking,
-            "disturbance": 1 / (before.integral_gain or 1.0),
-            "load-step": before.load_step,
-            "bandwidth": 1 / before.bandwidth,
-        }[kind]
-        return value if np.isfinite(value) and value > 0 else 1.0
-
     def _binding(self, best: Polished) -> tuple[str, ...]:
         """Return the requirements and bounds that a point lies at."""
-        names = np.array(self._names())
-        at = names[best.values.excesses > -_BINDING].tolist()
+        names = np.array(self._worth.names())
+        at = names[self._worth.of_requirements(best.point).excesses > -_BINDING].tolist()
         space = self._space
         for name, value, low, high in zip(
             space.names, best.point, space.low, space.high, strict=True

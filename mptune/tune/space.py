@@ -19,9 +19,12 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from mptune.params.controller import Feedforward, Gains
+
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mptune.arrays import FloatArray
-    from mptune.params.controller import Feedforward
     from mptune.params.packed import LoopGains
     from mptune.params.section import Range
     from mptune.robust.model import LinearModel
@@ -33,12 +36,32 @@ _OF_STRUCTURE = {
     "pid": ("k_p_pos", "k_i_pos", "k_d_pos", "tau"),
     "eq22": ("k_p_pos", "k_i_pos", "omega", "xi", "tau"),
 }
-_LINEAR_UNIT = {  # these may be 0, and so are not searched on logarithmic scales
-    "acceleration_mass": 1e4,  # kg
-    "reference_lag": 5e-3,  # s
-    "velocity_reference_lag": 5e-3,  # s
-}
 _LONGEST_LAG = 0.1  # s
+_LEAST_SHARE = 0.1  # of the largest velocity gain
+OTHERS = (
+    "sensitivity_peak", "complementary_peak", "sampled_sensitivity_peak", "gain_margin",
+    "disk_margin", "phase_margin", "delay_margin", "peak_compliance", "overshoot",
+    "settling_time", "tracking_index", "noise_gain",
+)  # fmt: skip
+"""Requirements on linear figures beside those of Eq. 17 and Eq. 21."""
+
+
+class Beside(NamedTuple):
+    """What may be free beside the controller's gains: one row of ``BESIDE`` makes it so."""
+
+    part: str  # field of ``Choice`` that holds it
+    unit: float  # its scale: it may be 0, and so is not searched on a logarithmic one
+    largest: Callable[[LinearModel], float]  # where it is bounded if the study does not say
+
+
+BESIDE = {
+    "acceleration_mass": Beside(
+        "feedforward", 1e4, lambda model: 2 * float(model.plants.mass.max())
+    ),
+    "reference_lag": Beside("feedforward", 5e-3, lambda _: _LONGEST_LAG),
+    "velocity_reference_lag": Beside("feedforward", 5e-3, lambda _: _LONGEST_LAG),
+}
+"""By its name in ``objective.free``; what is not here is a gain, searched on its logarithm."""
 
 
 class Choice(NamedTuple):
@@ -78,22 +101,24 @@ class Space:
     def choice(self, point: FloatArray) -> Choice:
         """Return the candidate at a point ``(K,)`` of the search's scales."""
         inside = np.clip(point, self.low, self.high)
-        values = {
-            name: float(at * _LINEAR_UNIT[name]) if name in _LINEAR_UNIT else float(np.exp(at))
-            for name, at in zip(self.names, inside, strict=True)
-        }
-        ahead = {name: values.pop(name) for name in tuple(values) if name in _LINEAR_UNIT}
-        feedforward = self.fixed.feedforward.model_copy(update=ahead)
-        return Choice(self._gains(values), feedforward)
+        at = dict(zip(self.names, inside.tolist(), strict=True))
+        choice = self.fixed
+        for name, variable in BESIDE.items():
+            if name in at:
+                part = getattr(choice, variable.part)
+                moved = part.model_copy(update={name: at.pop(name) * variable.unit})
+                choice = choice._replace(**{variable.part: moved})
+        gains = self._gains({name: float(np.exp(value)) for name, value in at.items()})
+        return choice._replace(gains=gains)
 
     def point(self, choice: Choice) -> FloatArray:
         """Return a candidate's point, moved inside the bounds."""
-        values = {**choice.gains._asdict(), **choice.feedforward.model_dump()}
+        values = choice.gains._asdict()
         if self.structure == "pid":
             values["k_d_pos"] = _derivative_gain(choice.gains)
         point = [
-            values[name] / _LINEAR_UNIT[name]
-            if name in _LINEAR_UNIT
+            getattr(getattr(choice, BESIDE[name].part), name) / BESIDE[name].unit
+            if name in BESIDE
             else np.log(max(values[name], 1e-300))
             for name in self.names
         ]
@@ -147,7 +172,7 @@ def space_of(
         low = bounds["k_p_vel"][0]
         bounds["k_p_vel"] = (min(low, largest_velocity_gain), largest_velocity_gain)
         names.append("k_p_vel")
-    names += model.study.study.objective.free_feedforward
+    names += model.study.study.objective.turned
     start = model.gains._replace(k_p_vel=largest_velocity_gain)
     values = {name: _middle(bounds[name]) for name in names if bounds[name][0] == bounds[name][1]}
     fixed = start._replace(
@@ -162,8 +187,8 @@ def space_of(
 
 
 def _scaled(name: str, pair: Range) -> Range:
-    if name in _LINEAR_UNIT:
-        return pair[0] / _LINEAR_UNIT[name], pair[1] / _LINEAR_UNIT[name]
+    if name in BESIDE:
+        return pair[0] / BESIDE[name].unit, pair[1] / BESIDE[name].unit
     return float(np.log(pair[0])), float(np.log(pair[1]))
 
 
@@ -172,11 +197,13 @@ def _middle(pair: Range) -> float:
 
 
 def _velocity_gain_is_free(model: LinearModel) -> bool:
-    """Return whether less than the largest velocity gain may do better."""
+    """Return whether less than the largest velocity gain may do better.
+
+    On the loop as it runs it may: there its own limit is another than Eq. 17's.
+    """
     asked = model.requirements
-    others = (asked.gain_margin, asked.sampled_sensitivity_peak, asked.noise_gain)
-    margins = (asked.sensitivity_peak, asked.complementary_peak)
-    return any(limit is not None for limit in (*others, *margins))
+    others = any(getattr(asked, name) is not None for name in OTHERS)
+    return others or model.study.study.objective.runs
 
 
 def _default_bounds(model: LinearModel, k_p_vel: float) -> dict[str, Range]:
@@ -186,18 +213,26 @@ def _default_bounds(model: LinearModel, k_p_vel: float) -> dict[str, Range]:
     """
     crossover = k_p_vel / model.nominal.mass
     half_period = model.period / 2
-    return {
-        "k_p_vel": (0.2 * k_p_vel, k_p_vel),
+    wide = {
+        "k_p_vel": (_LEAST_SHARE * k_p_vel, k_p_vel),
         "k_p_pos": (0.02 * crossover, 2 * crossover),
         "k_i_pos": (1e-4 * crossover**2, crossover**2),
         "k_d_pos": (1e-4, 2.0),
         "omega": (0.2 * crossover, 20 * crossover),
         "xi": (0.05, 3.0),
         "tau": (half_period, max(10 * half_period, 2 / crossover)),
-        "acceleration_mass": (0.0, 2 * float(model.plants.mass.max())),
-        "reference_lag": (0.0, _LONGEST_LAG),
-        "velocity_reference_lag": (0.0, _LONGEST_LAG),
+        **{name: (0.0, one.largest(model)) for name, one in BESIDE.items()},
     }
+    return {name: _declared(name, pair) for name, pair in wide.items()}
+
+
+def _declared(name: str, pair: Range) -> Range:
+    """Return the part of a range within what the parameter's declaration allows."""
+    section = next((one for one in (Gains, Feedforward) if name in one.model_fields), None)
+    if section is None:
+        return pair
+    least, largest = section.bounds_of(name)
+    return min(max(pair[0], least), largest), min(max(pair[1], least), largest)
 
 
 def _stated(model: LinearModel) -> dict[str, Range]:

@@ -18,10 +18,10 @@ if TYPE_CHECKING:
     from mptune.robust.model import LinearModel
     from mptune.tune.space import Space
 
-_TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved
-_VELOCITY_SHARES = (1.0, 0.6)  # of the study's own velocity gain, where it is free
-_SCATTERED, _SCATTER = 8, 0.8  # random starts where it is free, and how far off, in logarithms
-_SCREENED, _TAKEN = 128, 6  # points looked at all over the space, and starts taken of them
+_TAU_SHARES = (0.0, 0.5)  # of τ's range, on its logarithm, where the convex core is solved; where
+# the velocity gain is free too, points all over the space take the place of the second
+_SCATTERED, _SCATTER = 4, 0.8  # random starts where it is free, and how far off, in logarithms
+_SCREENED, _TAKEN = 256, 6  # points looked at all over the space, and starts taken of them
 _APART = 0.2  # of the space's sides: starts nearer to one another lead to the same
 _SMALLER = (0.5, 0.25)  # of the position gains, tried where no convex start is known
 
@@ -46,14 +46,15 @@ def first_points(
         for share in _SMALLER:
             yield _scaled(space, own, share)
         return
+    if kind == "robustness":  # no convex core stands in for a disk margin
+        yield from _scattered(space, space.point(own))
+        return
     limits = space.limits()
     low, high = np.log(limits["tau"])
-    for part in _VELOCITY_SHARES if space.crowded else (1.0,):
-        start = gains._replace(k_p_vel=part * gains.k_p_vel)
-        core = Core(model, start, model.corners(), limits)
-        for share in _TAU_SHARES[: 1 if low == high else None]:
-            _, found = core.shaped(float(np.exp(low + share * (high - low))), kind)
-            yield space.point(own._replace(gains=found))
+    core = Core(model, gains, model.corners(), limits)
+    for share in _TAU_SHARES[: 1 if low == high or space.crowded else None]:
+        _, found = core.shaped(float(np.exp(low + share * (high - low))), kind)
+        yield space.point(own._replace(gains=found))
     if space.crowded:
         yield from _scattered(space, space.point(own))
 

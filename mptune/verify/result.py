@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 import numpy as np
 
 from mptune.interop import Drawn, Labelled, to_pandas
-from mptune.sim.judge import worst_per_mass
+from mptune.sim.judge import per_year, worst_per_mass
 from mptune.sim.merit import MERITS, merit
 from mptune.strict import strict
 from mptune.summary import Summarised
@@ -162,8 +162,23 @@ class VerifyResult(Summarised, Drawn, Labelled):
             "satisfied": self.satisfied,
             "gains": self.gains.model_dump(),
             "feedforward": self.feedforward.model_dump(),
-            "cases": [case.json() for case in self.cases],
+            "duty": self.study.study.verification.duty,
+            "cases": [
+                strict({**case.json(), "busiest_valve_per_year": self.per_year(case)})
+                for case in self.cases
+            ],
         }
+
+    def per_year(self, case: CaseResult) -> float:
+        """Return the switches of a machine's busiest valve in a year at the study's duty."""
+        busiest = case.figure("busiest_valve_per_s")
+        return per_year(busiest, self.study.study.verification.duty)
+
+    @property
+    def busiest_per_year(self) -> float:
+        """The most switches of one valve in a year, over all machines; NaN where none is known."""
+        known = [each for each in map(self.per_year, self.cases) if np.isfinite(each)]
+        return max(known, default=float("nan"))
 
     def worst_per_mass(self) -> tuple[CaseResult, ...]:
         """Return for each mass the first case that is not stable, or that with the worst index."""

@@ -120,13 +120,15 @@ def _check(study: ResolvedStudy) -> None:
 def check_delay(study: ResolvedStudy, key: str, longest: float) -> None:
     """Refuse a valve delay [s] that the sampling period does not exceed.
 
+    The steady-state decision looks at no instant, so that it may be slower than its valves.
+
     Raises
     ------
     InputError
         Naming ``key``.
     """
     period = study.study.controller.sampling_period
-    if longest >= period:
+    if longest >= period and study.study.controller.force_model == "dynamic":
         raise InputError(
             study.name,
             Fault(
@@ -215,7 +217,7 @@ def run_rig(
     sets: list[SetFigures] = []
     broken: BrokenLimit | None = None
     for number in range(repeats):
-        before, switched = memory.energy.copy(), int(memory.valves.counters[0])
+        before, counted = memory.energy.copy(), memory.valves.counters.copy()
         begin = number * ticks * signals.sample_time
         loop.run_ticks(
             memory,
@@ -224,10 +226,11 @@ def run_rig(
             moves.pieces,
             start, begin, random, trace,
         )  # fmt: skip
-        energy, switches = memory.energy - before, int(memory.valves.counters[0]) - switched
+        energy, switched = memory.energy - before, memory.valves.counters - counted
         record = record_of(
-            trace, moves, energy, switches, machine, signals.sample_time, limits, begin
-        )
+            trace, moves, energy, int(switched[0]), machine, signals.sample_time, limits, begin,
+            int(switched[2:].max()),
+        )  # fmt: skip
         finite = bool(np.isfinite(trace).all())
         if not finite:
             break
@@ -277,7 +280,11 @@ def new_memory(
     start: float,
     ahead: FeedforwardTuple = NO_FEEDFORWARD,
 ) -> loop.Memory:
-    """Return machine and controller at rest at ``start`` [m]; the integrator carries the load."""
+    """Return machine and controller at rest at ``start`` [m].
+
+    The chamber pressures carry the load, and so does the integrator, as far as the controller can:
+    there is none without K_I,pos, and F_ref has its limits.
+    """
     supplies = study.study.supplies
     high = 0.5 * (supplies.pump_on + supplies.pump_off)
     pressure_b = _START_PRESSURE_B
@@ -290,7 +297,9 @@ def new_memory(
     signals = np.zeros(loop.SIGNALS)
     signals[:5] = start, pressure_a, pressure_b, high, machine.low_pressure
     outer = np.zeros(loop.OUTER_PLACES)
-    outer[INTEGRAL] = load / gains.k_p_vel
+    if gains.k_i_pos > 0:
+        least, largest = force_limits(pack_force(study))
+        outer[INTEGRAL] = min(max(load, least), largest) / gains.k_p_vel
     outer[[REFERENCE, POSITION_HEARD, loop.SENSED]] = start
     outer[LOAD_HEARD] = machine.area_a * pressure_a - machine.area_b * pressure_b
     start_learning(outer, ahead, load)

@@ -20,7 +20,18 @@ if TYPE_CHECKING:
     from mptune.weigh.recommend import Recommendation
     from mptune.weigh.trial import Limits, Trial, Weights
 
-_KEYS = ("_n", "_n_per_j", "_n_s_per_m6", "_s", "_m", "_m")  # units of ``Weights``
+_KEYS = (
+    "_n",
+    "_n_per_j",
+    "_n_s_per_m6",
+    "_s",
+    "_m",
+    "_m",
+    "_n",
+    "",
+    "_n_per_pa",
+    "_n_per_j",
+)  # units of ``Weights``
 
 
 @dataclass(frozen=True, repr=False)

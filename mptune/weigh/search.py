@@ -26,9 +26,12 @@ if TYPE_CHECKING:
     from mptune.weigh.trial import Bench, Limits
 
 SAMPLERS = ("tpe", "nsga2")
-ALSO = ("sampling_period", "tolerances")
+ALSO = ("sampling_period", "tolerances", "common_mode")
 _RANGE = 1 / 20, 5.0  # about the study's own weights, logarithmic
 _PUBLISHED = {"weight_switching": 100.0, "weight_loss": 80.0, "weight_converter": 2e11}  # Table 2
+# What else the decision may weigh, and about which value where the study gives none; assumed.
+_TERMS = {"error_width": 2000.0, "weight_common_mode": 3e-4, "weight_compression": 60.0}
+_CANDIDATES = 2, 12
 _PERIODS = 8  # how many sampling periods above the valve delay are tried, 1 ms apart
 _TOLERANCES = 0.5, 2.0  # about the study's own, logarithmic
 
@@ -47,7 +50,8 @@ def open_search(
     seed, sampler
         What draws the trials: "tpe" or "nsga2".
     also
-        What is searched beside the three weights: "sampling_period", "tolerances".
+        What is searched beside the three weights and the terms that the study's decision has:
+        "sampling_period", "tolerances", "common_mode".
 
     Raises
     ------
@@ -81,9 +85,31 @@ def open_search(
             load_if_exists=True,
         )
     except Exception as error:  # whatever the database's driver raises
+        full = _full(error)
+        if full is not None:
+            raise full from error
         fault = Fault("", storage, f"cannot be opened: {error}", "give an address as optuna does")
         raise InputError("--storage", fault) from error
     return WeightSearch(bench, study, seed, sampler, tuple(also))
+
+
+def _full(error: BaseException) -> OutputError | None:
+    """Return the error of a disk without room for the database; None where that is not why."""
+    cause: BaseException | None = error
+    while cause is not None:
+        driver = getattr(cause, "orig", None)  # the database driver's own, of SQLAlchemy's
+        if getattr(driver, "sqlite_errorname", "") in {"SQLITE_FULL", "SQLITE_IOERR_WRITE"}:
+            return _failed(error)
+        cause = cause.__cause__
+    return None
+
+
+def _failed(error: BaseException) -> OutputError:
+    reason = str(error).partition("\n")[0]  # the rest is SQL
+    return OutputError(
+        f"the database of the search failed ({reason}); what it holds is kept: free some space "
+        "where the disk is full, and run the command again to go on"
+    )
 
 
 def _check_words(where: str, words: Sequence[str], known: Sequence[str]) -> None:
@@ -130,15 +156,13 @@ class WeightSearch:
         OutputError
             If the database fails while the search is under way.
         """
+        from optuna.exceptions import StorageInternalError
         from sqlalchemy.exc import SQLAlchemyError
 
         try:
             return self._run(trials, first, limits, progress)
-        except SQLAlchemyError as error:
-            raise OutputError(
-                f"the database of the search failed ({error}); what it holds is kept, run the "
-                "command again to go on"
-            ) from error
+        except (SQLAlchemyError, StorageInternalError) as error:
+            raise _failed(error) from error
 
     def _run(
         self,
@@ -191,6 +215,10 @@ class WeightSearch:
             name: asked.suggest_float(name, *_range(own.controller, name), log=True)
             for name in _PUBLISHED
         }
+        for name in self._terms():
+            values[name] = asked.suggest_float(name, *_range(own.controller, name), log=True)
+        if own.controller.horizon == 2:
+            values["candidates"] = asked.suggest_int("candidates", *self._candidate_range())
         if "sampling_period" in self._also:
             tick = own.controller.fast_sampling_period
             ticks = asked.suggest_int("sampling_ticks", *self._tick_range(), step=self._tick_step())
@@ -202,6 +230,21 @@ class WeightSearch:
         return Weights(
             **{name: values.get(name, getattr(own.controller, name)) for name in Weights._fields}
         )
+
+    def _terms(self) -> tuple[str, ...]:
+        """Return the terms of the cost, beside the three weights, that are searched."""
+        own = self._bench.study.study.controller
+        wanted = {
+            "error_width": own.error == "huber",
+            "weight_common_mode": own.weight_common_mode > 0 or "common_mode" in self._also,
+            "weight_compression": own.force_model == "steady-state",
+        }
+        return tuple(name for name, searched in wanted.items() if searched)
+
+    def _candidate_range(self) -> tuple[int, int]:
+        """Return how many candidates are searched; the study's own number is among them."""
+        own = self._bench.study.study.controller.candidates
+        return min(_CANDIDATES[0], own), max(_CANDIDATES[1], own)
 
     def _tick_step(self) -> int:
         return max(round(1e-3 / self._bench.study.study.controller.fast_sampling_period), 1)
@@ -218,9 +261,11 @@ class WeightSearch:
         """Return weights as the parameters of a trial, moved into the ranges where outside."""
         own = self._bench.study.study
         named: dict[str, Any] = {}
-        for name in _PUBLISHED:
+        for name in (*_PUBLISHED, *self._terms()):
             low, high = _range(own.controller, name)
             named[name] = min(max(getattr(weights, name), low), high)
+        if own.controller.horizon == 2:
+            named["candidates"] = weights.candidates
         if "sampling_period" in self._also:
             tick = own.controller.fast_sampling_period
             named["sampling_ticks"] = round(weights.sampling_period / tick)
@@ -230,7 +275,7 @@ class WeightSearch:
 
 
 def _range(controller: Any, name: str) -> tuple[float, float]:
-    centre = getattr(controller, name) or _PUBLISHED[name]
+    centre = getattr(controller, name) or {**_PUBLISHED, **_TERMS}[name]
     return centre * _RANGE[0], centre * _RANGE[1]
 
 

@@ -40,6 +40,10 @@ class Weights(NamedTuple):
     sampling_period: float
     position_tolerance_stop: float
     position_tolerance_start: float
+    error_width: float = 2000.0
+    candidates: int = 6
+    weight_common_mode: float = 0.0
+    weight_compression: float = 0.0
 
 
 def own_weights(study: ResolvedStudy) -> Weights:
@@ -66,7 +70,7 @@ class Trial(Summarised):
     seeds
         Seed of each run, ``(C,)``.
     figures
-        ``(C, 11)`` of each run, in the order of ``mptune.campaign.simulate.FIGURES``.
+        ``(C, 12)`` of each run, in the order of ``mptune.campaign.simulate.FIGURES``.
     unstable
         How many runs did not stay stable, a converter piston at its end included.
     """

@@ -9,6 +9,7 @@ import time
 import numba
 import numpy as np
 import pytest
+from llvmlite.binding import get_host_cpu_features
 from scipy.integrate import solve_ivp
 
 from mptune.force.cost import supply_pressures
@@ -47,6 +48,13 @@ def seconds(function):
     return time.perf_counter() - start
 
 
+def cpu_seconds(function):
+    """For comparisons: what else the machine does meanwhile does not count."""
+    start = time.process_time()
+    function()
+    return time.process_time() - start
+
+
 def test_a_decision_takes_at_most_12_microseconds(boom):
     settings, space = pack_force(boom), search_space()
     supplies, converters = supply_pressures(2e6, 14e6), np.array([0.01, -0.02, 0.03, 0.0])
@@ -64,6 +72,74 @@ def test_a_decision_takes_at_most_12_microseconds(boom):
     times = [seconds(batch) / len(pressures) for _ in range(7)]
     print(f"\none decision: {1e6 * np.median(times):.1f} µs, called from Python")
     assert np.median(times) <= 12e-6
+
+
+LEVERS = (
+    'controller.error="huber"',
+    'controller.loss="path"',
+    "controller.horizon=2",
+    'controller.delay_prediction="6.25 ms"',
+)
+WIDE = bool(get_host_cpu_features().get("avx2"))
+
+
+def test_two_periods_take_at_most_twice_the_published_decision(load_boom):
+    """In one run, over the same random states, called from compiled code, in turn."""
+    space, random = search_space(), np.random.default_rng(1)
+    supplies, converters = supply_pressures(2e6, 14e6), np.array([0.01, -0.02, 0.03, 0.0])
+    pressures = random.uniform(2e6, 14e6, (2000, 2))
+    wanted = random.uniform(-3e4, 5e4, 2000)
+    options = {
+        "published": (),
+        "Huber": LEVERS[:1],
+        "two periods": ("controller.horizon=2",),
+        "all levers": (*LEVERS[:3], 'controller.weight_common_mode="300 N/MPa"'),
+        "steady state": ('controller.force_model="steady-state"',),
+    }
+    packed = {name: pack_force(load_boom(*one)) for name, one in options.items()}
+    times = {name: [] for name in options}
+    for _ in range(15):
+        for name, settings in packed.items():
+            args = wanted, pressures, supplies, converters, space, settings
+            decisions(*args)
+            times[name].append(cpu_seconds(lambda args=args: decisions(*args)) / len(pressures))
+    medians = {name: float(np.median(one)) for name, one in times.items()}
+    print("\n" + ", ".join(f"{name} {1e6 * one:.2f} µs" for name, one in medians.items()))
+    most = 2 if WIDE else 4
+    for name in ("two periods", "all levers"):
+        assert medians[name] <= most * medians["published"]
+
+
+@numba.njit
+def decisions(wanted, pressures, supplies, converters, space, settings):
+    """Decide again and again, from each choice."""
+    a, b = 0, 0
+    for k in range(len(wanted)):
+        a, b = decide(
+            wanted[k], pressures[k, 0], pressures[k, 1], 0.15, 0.05, supplies, converters, a, b,
+            space, settings,
+        )  # fmt: skip
+    return a + b
+
+
+def test_all_levers_cost_at_most_a_tenth_of_the_closed_loop_s_speed(study_file):
+    """Fewer switches mean fewer fine steps."""
+    base = ["verification.repeats=1", 'verification.masses=["24.5 t"]']
+    studies = [load_study(study_file, [*base, *levers]) for levers in ((), LEVERS)]
+    times = [[], []]
+    for _ in range(16):
+        for study, taken in zip(studies, times, strict=True):
+            own = study.study
+            taken.append(
+                cpu_seconds(
+                    lambda study=study, own=own: run_case(
+                        study, cases_of(study)[0], own.gains, own.feedforward
+                    )
+                )
+            )
+    published, levers = (SET / float(np.median(one[1:])) for one in times)
+    print(f"\npublished {published:.0f} x real time, all levers {levers:.0f} x")
+    assert levers >= 0.9 * published
 
 
 def test_closed_loop_runs_at_150_times_real_time(run):

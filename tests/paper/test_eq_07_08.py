@@ -1,49 +1,14 @@
 """Eq. 7 and Eq. 8: the cost function, against all 28² combinations in plain Python."""
 
-import math
-
 import numpy as np
 import pytest
+from deciding import chosen, heun, root, states
 
 from mptune.force.controller import ForceController, Measured
 from mptune.force.cost import side_costs, supply_pressures
 from mptune.force.search_space import search_space
 from mptune.force.select import cheapest, decide
 from mptune.params.pack import pack_force
-
-
-def root(difference, transition):
-    size = abs(difference)
-    if size >= transition:
-        return math.copysign(math.sqrt(size), difference)
-    return difference * (3 - size / transition) / (2 * math.sqrt(transition))
-
-
-def stiffness(side, x, s):
-    if side == 0:
-        volume, hose = s.area_a * x + s.dead_a, s.hose_a
-    else:
-        volume, hose = s.area_b * (s.stroke - x) + s.dead_b, s.hose_b
-    return 1 / (1 / s.oil + hose / volume / s.hose) / volume
-
-
-def heun(side, p, x, v, supplies, counts, span, s):
-    """Eq. 5: four Heun steps over ``span``, with Eq. 1's first two lines."""
-    taken = s.area_a * v if side == 0 else -s.area_b * v
-
-    def slope(p, x):
-        flow = sum(
-            n * root(q - p, s.transition_pressure) for q, n in zip(supplies, counts, strict=True)
-        )
-        return stiffness(side, x, s) * (s.flow_coefficient * flow - taken)
-
-    h = span / 4
-    for _ in range(4):
-        k1 = slope(p, x)
-        k2 = slope(p + h * k1, x + h * v)
-        p += h / 2 * (k1 + k2)
-        x += h * v
-    return p
 
 
 def side_terms(side, case, present, share, space, s):
@@ -83,28 +48,6 @@ def brute_force(case, share, space, s):
         side_terms(side, case, case["present"][side], share, space, s) for side in range(2)
     )
     return np.abs(case["wanted"] - f_a[:, None] + f_b) + c_a[:, None] + c_b
-
-
-def states(count, seed):
-    random = np.random.default_rng(seed)
-    for _ in range(count):
-        high = random.uniform(11e6, 16e6)
-        yield {
-            "wanted": random.uniform(-5e4, 7e4),
-            "p": random.uniform(0.3e6, 16.5e6, 2),
-            "x": random.uniform(0, 0.3),
-            "v": random.uniform(-0.12, 0.12),
-            "supplies": supply_pressures(2e6, high),
-            "converters": random.uniform(-0.075, 0.075, 4),
-            "present": tuple(int(i) for i in random.integers(0, 28, 2)),
-        }
-
-
-def chosen(case, space, s, function=decide):
-    return function(
-        case["wanted"], *case["p"], case["x"], case["v"], case["supplies"], case["converters"],
-        *case["present"], space, s,
-    )  # fmt: skip
 
 
 def test_selection_finds_the_least_of_784_for_ten_thousand_random_costs():

@@ -28,7 +28,7 @@ def test_no_plant_exceeds_a_bound(seed):
     problem = random_problem(rng)
     for name in FIGURES:
         found = bound(problem, *name)
-        attained, proved = limits(found)
+        attained, proved = limits(found, form_of(problem, *name))
         assert attained <= proved
         if not math.isfinite(proved):
             continue

@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mptune.units import UnitError, parse_quantity
+from mptune.units import DISPLAY, UnitError, parse_quantity, shown
 
 UNITS = {
     "MPa": ("Pa", 1e6),
@@ -73,3 +73,15 @@ texts = st.text(st.sampled_from("0123456789.eE+- /*()mMkPasN_µ²\t\x00;'\"")) |
 def test_any_text_is_a_finite_quantity_or_refused(text):
     with contextlib.suppress(UnitError):
         assert math.isfinite(parse_quantity(text, "Pa"))
+
+
+PRINTED = sorted({unit for unit, _ in UNITS.values()} | set(DISPLAY) - {"1"})
+
+
+@given(st.floats(min_value=-1e9, max_value=1e9), st.sampled_from(PRINTED))
+def test_what_is_printed_is_read_back(value, unit):
+    """To the digits that are printed, four of them, in the unit that people read it in."""
+    value += 0.0  # no −0
+    read = parse_quantity(shown(value, unit), unit)
+    assert read == pytest.approx(value, rel=5.01e-4, abs=1e-300)
+    assert shown(read, unit) == shown(value, unit)

@@ -152,6 +152,18 @@ def figure(box, loop, name, terms):
     loop = dict(loop) if path_name != "none" else {**loop, "sample": 0}
     if which.startswith("equation"):
         found = equations(box, loop)[0 if which == "equation_17" else 1]
+    elif which == "peak_compliance":  # |S|/(mω²), in m/N
+        omega, mass = (
+            interval(box["omega"]),
+            iv.mpf(loop["nominal_mass"]) / interval(box["mass_ratio"]),
+        )
+        sampled = path_name == "sampled"
+        gain = (
+            sampled_gain(box, loop, terms)
+            if sampled
+            else (loop_gains(omega, plant_values(box, loop), loop)[1])
+        )
+        found = modulus(1 / (1 + gain)) / (mass * omega**2)
     else:
         index = ("sensitivity_peak", "complementary_peak", "disk_margin").index(which)
         if path_name == "sampled":

@@ -32,6 +32,23 @@ from mptune.units import UnitError, parse_quantity
         ("180 deg/s", "rad/s", 3.141592653589793),
         ("10 µm", "m", 1e-5),  # micro sign
         ("10 μm", "m", 1e-5),  # Greek mu
+        ("0.4 dm³", "m^3", 0.4e-3),
+        ("31.2 cm²", "m^2", 31.2e-4),
+        ("13 s⁻¹", "1/s", 13.0),
+        ("22 1/s²", "1/s^2", 22.0),
+        ("14 N/mm²", "Pa", 14e6),
+        ("700 kN⋅s/m", "N s/m", 700e3),
+        ("700 kN·s/m", "N s/m", 700e3),
+        ("−35 mm", "m", -0.035),
+        ("2.357·10⁻⁷ m³/(s Pa^0.5)", "m^3/(s Pa^0.5)", 2.357e-7),
+        ("360 °/s", "rad/s", 6.283185307179586),
+        ("20 degC", "K", 293.15),
+        ("20 °C", "K", 293.15),
+        ("0 degC", "K", 273.15),
+        ("20 delta_degC", "K", 20.0),
+        ("20 K", "K", 20.0),
+        ("24.5 tonne", "kg", 24500.0),
+        ("1 short_ton", "kg", 907.18474),
     ],
 )
 def test_a_quantity_becomes_its_si_value(text, unit, value):
@@ -80,6 +97,17 @@ def test_what_is_no_quantity_is_refused_with_the_rule(text, unit, rule):
         parse_quantity(text, unit)
     assert rule in caught.value.rule
     assert unit in caught.value.remedy
+
+
+def test_degrees_fahrenheit_have_their_offset_too():
+    assert parse_quantity("-40 degF", "K") == pytest.approx(233.15, rel=1e-13)
+    assert parse_quantity("9 delta_degF", "K") == pytest.approx(5, rel=1e-13)
+
+
+@pytest.mark.parametrize("text", ["24.5 ton", "2 tons", "1 kN/ton"])
+def test_a_ton_that_may_be_short_or_long_is_refused(text):
+    with pytest.raises(UnitError, match="907 or 1016 kg elsewhere; write t, or short_ton"):
+        parse_quantity(text, "kg")
 
 
 @pytest.mark.parametrize("text", ["42 Hz", "42 1/s", "42 kHz", "42 s^-1"])

@@ -93,7 +93,9 @@ uint32_t mptune_init(mptune_state *state, const mptune_inputs *first, mptune_rea
     }
     state->reference = first->position_reference;
     state->velocity_reference = first->velocity_reference;
-    state->integral = load_force / p->k_p_vel;
+    if (p->integral_rate > R(0)) { /* else there is no integral, and the load moves the piston */
+        state->integral = load_force / p->k_p_vel;
+    }
     state->heard_position = first->position;
     state->heard_load = p->area_a * first->pressure_a - p->area_b * first->pressure_b;
     state->last_velocity_reference = first->velocity_reference;

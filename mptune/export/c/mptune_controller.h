@@ -97,7 +97,8 @@ typedef struct {
  * Set the controller up at rest: every filter stands at its sample, the valves are shut.
  *
  * first       the first samples and references.
- * load_force  N, the load at this place as far as it is known, else 0: the integrator carries it.
+ * load_force  N, the load at this place as far as it is known, else 0: the integrator carries it,
+ *             where there is one.
  */
 uint32_t mptune_init(mptune_state *state, const mptune_inputs *first, mptune_real load_force);
 

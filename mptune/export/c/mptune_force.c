@@ -1,17 +1,6 @@
-/* The force controller: estimator (Eq. 4 and 5), cost (Eq. 7 and 8), decision over all 28 x 28. */
+/* The force controller: estimator (Eq. 4 and 5), cost (Eq. 7 and 8), decision over all 28 x 28.
+ * What goes beyond the paper's own decision stands in mptune_horizon.c. */
 #include "mptune_parts.h"
-
-#define STEPS 4U /* Heun steps in one look ahead */
-#define SUPPLIES 6U
-#define OUT_OF_RANGE R(1e6) /* N, penalty of a pressure outside its limits */
-
-/* What is the same for every valve state of one side. */
-typedef struct {
-    mptune_real pressure;         /* Pa, now */
-    mptune_real taken;            /* m^3/s, by the piston's motion */
-    mptune_real path[STEPS + 1U]; /* Pa/m^3, stiffness at the ends of the steps */
-    mptune_real period;           /* s, to look ahead */
-} chamber;
 
 /* The signed root of a pressure difference, Pa^0.5, smooth about zero. */
 static mptune_real orifice(mptune_real difference)
@@ -30,8 +19,7 @@ static mptune_real orifice(mptune_real difference)
     return root;
 }
 
-/* Estimated B_eff over volume of one chamber, Pa/m^3. */
-static mptune_real stiffness(uint32_t side, mptune_real position)
+mptune_real mptune_stiffness(uint32_t side, mptune_real position)
 {
     const mptune_parameters *const p = &mptune_study;
     mptune_real volume = p->area_a * position + p->dead_a;
@@ -45,24 +33,25 @@ static mptune_real stiffness(uint32_t side, mptune_real position)
     return modulus / volume;
 }
 
-static chamber chamber_of(
+mptune_chamber mptune_chamber_of(
     uint32_t side, mptune_real pressure, mptune_real position, mptune_real velocity,
     mptune_real period)
 {
     const mptune_parameters *const p = &mptune_study;
-    chamber one;
+    mptune_chamber one;
     one.pressure = pressure;
     one.taken = (side == MPTUNE_SIDE_A) ? (p->area_a * velocity) : (-p->area_b * velocity);
     one.period = period;
-    for (uint32_t k = 0U; k <= STEPS; k++) {
-        one.path[k] = stiffness(side, position + velocity * period * R(k) / R(STEPS));
+    for (uint32_t k = 0U; k <= MPTUNE_STEPS; k++) {
+        one.path[k] =
+            mptune_stiffness(side, position + velocity * period * R(k) / R(MPTUNE_STEPS));
     }
     return one;
 }
 
 /* Flow over flow coefficient into a chamber at a pressure, Pa^0.5. */
 static mptune_real inflow(
-    const mptune_port *port, const mptune_real supplies[SUPPLIES], mptune_real pressure)
+    const mptune_port *port, const mptune_real supplies[MPTUNE_SUPPLIES], mptune_real pressure)
 {
     mptune_real flow = R(port->first_count) * orifice(supplies[port->first] - pressure);
     if (port->second_count > 0U) {
@@ -73,12 +62,12 @@ static mptune_real inflow(
 
 /* The pressure at the end of the look ahead with a valve state held, Pa. */
 static mptune_real predict(
-    const chamber *one, const mptune_port *port, const mptune_real supplies[SUPPLIES])
+    const mptune_chamber *one, const mptune_port *port, const mptune_real supplies[MPTUNE_SUPPLIES])
 {
     const mptune_real scale = mptune_study.flow_coefficient;
-    const mptune_real step = one->period / R(STEPS);
+    const mptune_real step = one->period / R(MPTUNE_STEPS);
     mptune_real pressure = one->pressure;
-    for (uint32_t k = 0U; k < STEPS; k++) {
+    for (uint32_t k = 0U; k < MPTUNE_STEPS; k++) {
         const mptune_real slope_1 =
             one->path[k] * (scale * inflow(port, supplies, pressure) - one->taken);
         const mptune_real ahead = pressure + step * slope_1;
@@ -92,7 +81,7 @@ static mptune_real predict(
 /* What one supply's valves cost: loss in J, Eq. 8, and Q_conv x^3 in m^6/s. */
 static void add_port(
     uint32_t supply, mptune_real count, mptune_real before, mptune_real after,
-    const mptune_real supplies[SUPPLIES], const mptune_real converters[MPTUNE_CONVERTERS],
+    const mptune_real supplies[MPTUNE_SUPPLIES], const mptune_real converters[MPTUNE_CONVERTERS],
     mptune_real *loss, mptune_real *conversion)
 {
     const mptune_parameters *const p = &mptune_study;
@@ -113,7 +102,7 @@ static void add_port(
 
 /* The force of every state of one side, N, and what it costs beside the force error, N. */
 static void side_costs(
-    const chamber *one, mptune_real area, uint8_t present, const mptune_real supplies[SUPPLIES],
+    const mptune_chamber *one, mptune_real area, uint8_t present, const mptune_real supplies[MPTUNE_SUPPLIES],
     const mptune_real converters[MPTUNE_CONVERTERS], mptune_real force[MPTUNE_STATES],
     mptune_real cost[MPTUNE_STATES])
 {
@@ -135,7 +124,7 @@ static void side_costs(
         total += p->weight_loss * loss;
         total += p->weight_converter * conversion;
         if ((after < p->pressure_min) || (after > p->pressure_max)) {
-            total += OUT_OF_RANGE;
+            total += MPTUNE_OUT_OF_RANGE;
         }
         force[i] = area * after;
         cost[i] = total;
@@ -167,6 +156,16 @@ static uint8_t cheapest(
     return found;
 }
 
+/* Whether anything is decided otherwise than by Eq. 7 and 8 as printed. */
+static uint8_t beyond_the_paper(void)
+{
+    const mptune_parameters *const p = &mptune_study;
+    const uint8_t other = (p->error_width > R(0)) || (p->path_loss > R(0))
+                          || (p->candidates > R(0)) || (p->weight_common_mode > R(0))
+                          || (p->steady_state > R(0));
+    return other;
+}
+
 uint8_t mptune_decide(mptune_state *state, mptune_real velocity)
 {
     const mptune_parameters *const p = &mptune_study;
@@ -174,26 +173,30 @@ uint8_t mptune_decide(mptune_state *state, mptune_real velocity)
     mptune_real pressure_a = state->filtered[MPTUNE_CHAMBER_A];
     mptune_real pressure_b = state->filtered[MPTUNE_CHAMBER_B];
     mptune_real position = mptune_position(state);
-    mptune_real supplies[SUPPLIES];
-    for (uint32_t i = 0U; i < SUPPLIES; i++) {
+    mptune_real supplies[MPTUNE_SUPPLIES];
+    for (uint32_t i = 0U; i < MPTUNE_SUPPLIES; i++) {
         const mptune_real low = state->filtered[MPTUNE_LOW];
         supplies[i] = low + R(i) / R(5) * (state->filtered[MPTUNE_HIGH] - low);
     }
     if (lag > R(0)) { /* carried through the valve delay with the present states */
-        const chamber a = chamber_of(MPTUNE_SIDE_A, pressure_a, position, velocity, lag);
-        const chamber b = chamber_of(MPTUNE_SIDE_B, pressure_b, position, velocity, lag);
+        const mptune_chamber a = mptune_chamber_of(MPTUNE_SIDE_A, pressure_a, position, velocity, lag);
+        const mptune_chamber b = mptune_chamber_of(MPTUNE_SIDE_B, pressure_b, position, velocity, lag);
         pressure_a = predict(&a, &mptune_ports[state->choice[0]], supplies);
         pressure_b = predict(&b, &mptune_ports[state->choice[1]], supplies);
         position += velocity * lag;
+    }
+    if (beyond_the_paper() != 0U) {
+        const mptune_situation now = {pressure_a, pressure_b, position, velocity, state->force};
+        return mptune_best_ahead(&now, supplies, state->converters, state->choice);
     }
     mptune_real force_a[MPTUNE_STATES];
     mptune_real cost_a[MPTUNE_STATES];
     mptune_real force_b[MPTUNE_STATES];
     mptune_real cost_b[MPTUNE_STATES];
-    const chamber a =
-        chamber_of(MPTUNE_SIDE_A, pressure_a, position, velocity, p->sampling_period);
-    const chamber b =
-        chamber_of(MPTUNE_SIDE_B, pressure_b, position, velocity, p->sampling_period);
+    const mptune_chamber a =
+        mptune_chamber_of(MPTUNE_SIDE_A, pressure_a, position, velocity, p->sampling_period);
+    const mptune_chamber b =
+        mptune_chamber_of(MPTUNE_SIDE_B, pressure_b, position, velocity, p->sampling_period);
     side_costs(&a, p->area_a, state->choice[0], supplies, state->converters, force_a, cost_a);
     side_costs(&b, p->area_b, state->choice[1], supplies, state->converters, force_b, cost_b);
     return cheapest(state->force, force_a, cost_a, force_b, cost_b, state->choice);

@@ -31,8 +31,29 @@ double fabs(double value);
 #define MPTUNE_LOW 4U
 #define MPTUNE_CONVERTER 5U
 
+#define MPTUNE_STEPS 4U /* Heun steps in one look ahead */
+#define MPTUNE_SUPPLIES 6U
+#define MPTUNE_OUT_OF_RANGE R(1e6) /* N, penalty of a pressure outside its limits */
+
 #define MPTUNE_SIDE_A 0U
 #define MPTUNE_SIDE_B 1U
+
+/* What is the same for every valve state of one side. */
+typedef struct {
+    mptune_real pressure;                /* Pa, now */
+    mptune_real taken;                   /* m^3/s, by the piston's motion */
+    mptune_real path[MPTUNE_STEPS + 1U]; /* Pa/m^3, stiffness at the ends of the steps */
+    mptune_real period;                  /* s, to look ahead */
+} mptune_chamber;
+
+/* What a decision starts from. */
+typedef struct {
+    mptune_real pressure_a; /* Pa */
+    mptune_real pressure_b; /* Pa */
+    mptune_real position;   /* m */
+    mptune_real velocity;   /* m/s */
+    mptune_real force;      /* N, F_ref */
+} mptune_situation;
 
 /* The lesser and the larger of two; the first where they are equal or not comparable. */
 mptune_real mptune_min(mptune_real first, mptune_real second);
@@ -60,5 +81,16 @@ void mptune_stop_logic(mptune_state *state, const mptune_inputs *inputs);
 
 /* Force controller: one T_S. It changes the choice, and returns 0 where no cost is a number. */
 uint8_t mptune_decide(mptune_state *state, mptune_real velocity);
+
+/* Estimated B_eff over volume of one chamber, Pa/m^3. */
+mptune_real mptune_stiffness(uint32_t side, mptune_real position);
+mptune_chamber mptune_chamber_of(
+    uint32_t side, mptune_real pressure, mptune_real position, mptune_real velocity,
+    mptune_real period);
+
+/* The decision beyond the paper's own: as mptune_decide, from where the delay was predicted to. */
+uint8_t mptune_best_ahead(
+    const mptune_situation *now, const mptune_real supplies[MPTUNE_SUPPLIES],
+    const mptune_real converters[MPTUNE_CONVERTERS], uint8_t choice[2]);
 
 #endif

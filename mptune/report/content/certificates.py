@@ -41,7 +41,9 @@ _FIGURES = {
     "sensitivity_peak": "M_S",
     "complementary_peak": "M_T",
     "disk_margin": "disk margin α",
+    "peak_compliance": "peak compliance [mm/kN]",
 }
+_SCALES = {"peak_compliance": 1e6}  # m/N in mm/kN
 _FAILS = {
     "equation_17": "Eq. 17 reaches 1",
     "equation_21": "Eq. 21 reaches 1",
@@ -101,7 +103,8 @@ def _bound(one: Bound | None) -> str | Cell:
     if not np.isfinite(one.attained):
         return verdict("∞", good=False)
     sign = "≥" if one.figure == "disk_margin" else "≤"
-    text = f"{one.attained:.4f} {sign} {one.bound:.4f}"
+    scale = _SCALES.get(one.figure, 1.0)
+    text = f"{scale * one.attained:.4f} {sign} {scale * one.bound:.4f}"
     return text if one.closed else verdict(f"{text}, open", good=False)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from mptune.params.paper import (
@@ -59,7 +60,7 @@ def linear_check(results: Results) -> Chapter | None:
         Figure("The movement set, for each mass the machine with the largest index.", "moves"),
         movement_sets(results.moves_before, results.moves),
         Note(
-            "Performance index: peak position error over peak velocity. Predicted, without "
+            "Linear-check index: peak position error over peak velocity. Predicted, without "
             "fitting. Load force carried by the integrator from the start; dead zone and stop "
             "logic left out."
         ),
@@ -80,7 +81,8 @@ def movement_sets(own: Sequence[LinearMove], moves: Sequence[LinearMove]) -> Tab
         ]
         for case, before in zip(moves, own, strict=True)
     ]
-    index = ("Index [ms]\nown gains", "Index [ms]\nthese gains", "Index [ms]\npaper")
+    title = "Linear-check\nindex [ms]"
+    index = (f"{title}\nown gains", f"{title}\nthese gains", "Index [ms]\npaper")
     columns = right("Mass", "Delay", "Oil", *index)
     return Tabular("Linear check: sampled loop with its filters", columns, rows)
 
@@ -110,7 +112,8 @@ def nonlinear_machine(results: Results) -> Chapter | None:
         table,
         Note(
             "Means over the movement sets; final error and converter position are the largest. "
-            "Loss: accumulator power less piston power, per millimetre of travel."
+            "Loss: accumulator power less piston power, per millimetre of travel. "
+            + busiest_valve(verified)
         ),
         *_measured(verified).titled(),
         Note(
@@ -141,6 +144,20 @@ def machines(verified: VerifyResult) -> Tabular:
         wide("Status"),
     ]
     return Tabular("The nonlinear machine", columns, rows, keep=False)
+
+
+def busiest_valve(verified: VerifyResult) -> str:
+    """Return how often the valve that switches most does so, per second and per year."""
+    per_s = [case.figure("busiest_valve_per_s") for case in verified.cases]
+    known = [one for one in per_s if math.isfinite(one)]
+    if not known:
+        return "Switches of single valves were not counted."
+    duty = verified.study.study.verification.duty
+    return (
+        f"The busiest valve switches up to {number(max(known), 3)} times a second while the "
+        f"machine works, {number(verified.busiest_per_year / 1e6, 3)} million times a year at a "
+        f"duty of {100 * duty:g} %."
+    )
 
 
 def _fate(case: CaseResult) -> str:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.params.controller import Feedforward
-from mptune.params.paper import MEASURED_INDEX_RANGE, MEASURED_LOSS
+from mptune.params.headline import Headline
 from mptune.report.blocks import (
     Cell,
     Column,
@@ -18,47 +18,57 @@ from mptune.report.blocks import (
     verdict,
     wide,
 )
-from mptune.report.content.closed_loop import index_text, milliseconds, of_mass
+from mptune.report.content.before_after import beside_the_paper
 from mptune.report.content.tradeoff import controllers
 from mptune.robust.result import Status
 from mptune.robust.tables import place_text, undecided_text
 from mptune.units import number, shown
+from mptune.verify.before_after import in_a_sentence
+from mptune.verify.checks import machine_checks
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator, Sequence
 
+    from mptune.params.judged_on import Difference
     from mptune.params.section import Section
+    from mptune.params.study import ResolvedStudy
     from mptune.report.results import Results
+    from mptune.robust.headline import Judgement
     from mptune.robust.result import Check, SweepResult
     from mptune.tune.result import TuneResult
 
 
-NOT_RUN = "The nonlinear machine was not run: the controller refuses these margins."
+NOT_RUN = "The nonlinear machine was not run: the requirements are to be met first."
 
 
 def front_page(results: Results) -> FrontPage:
     """Return the verdict with its reasons, and the tables of the first page."""
-    study, swept = results.study, results.sweep
+    study, swept, judged = results.study, results.sweep, results.verdict
     words = f"Study {study.name}, uncertainty set {study.uncertainty_name or 'default'}, "
     ahead = results.feedforward, study.study.feedforward
     tables = (
         gains((swept.gains, ahead[0]), (results.published.gains, ahead[1])),
-        requirements(swept.checks),
-        _paper(results),
+        requirements((*swept.checks, *_of_machine(results))),
+        beside_the_paper(results),
         controllers(results.leftovers.compared).brief(),
     )
     return FrontPage(
         about=[f"{words}measurement path in the model: {study.study.model.measurement_path}"],
-        headline=headline(met=results.satisfied),
-        status=list(_status(results)),
-        warnings=warnings(swept),
+        headline=f"Verdict: {judged.word}",
+        status=[f"{judged.because[:1].upper()}{judged.because[1:]}.", *_status(results)],
+        warnings=[
+            *warnings(swept),
+            *map(str, study.doubts),
+            *standing(study),
+            *results.leftovers.left_out,
+        ],
         blocks=[block for table in tables for block in table.titled()],
     )
 
 
-def headline(*, met: bool) -> str:
-    """Return the verdict on a whole job."""
-    return "Every requirement is met" if met else "Some requirement is not met"
+def verdict_line(judgement: Judgement) -> str:
+    """Return the first line wherever gains are judged."""
+    return f"Verdict: {judgement.line}"
 
 
 def _status(results: Results) -> Iterator[str]:
@@ -66,7 +76,9 @@ def _status(results: Results) -> Iterator[str]:
         yield "The study's own gains were swept; nothing was tuned."
     else:
         yield " ".join(tuning(results.tuned))
-    if results.verified is None and not results.sweep.satisfied:
+    if results.changes:
+        yield in_a_sentence(results.changes)
+    elif results.verified is None and results.verdict.word not in (Headline.MET, Headline.ON_PAPER):
         yield NOT_RUN
 
 
@@ -75,7 +87,7 @@ def tuning(tuned: TuneResult) -> list[str]:
     before, after = tuned.figures_before, tuned.figures
     loop = tuned.sweep.study.study.objective.tracking_loop
     gained = (
-        f"Study's own gains → tuned: worst tracking index ({loop} loop) "
+        f"Study's own gains → tuned: worst linear tracking index ({loop} loop) "
         f"{1e3 * before.tracking:.2f} → {1e3 * after.tracking:.2f} ms, integral gain "
         f"{before.integral_gain:.3g} → {after.integral_gain:.3g} 1/s², load step "
         f"{1e6 * before.load_step:.3g} → {1e6 * after.load_step:.3g} mm/kN, bandwidth "
@@ -121,6 +133,13 @@ def warnings(swept: SweepResult) -> list[str]:
     return found
 
 
+def standing(study: ResolvedStudy) -> list[str]:
+    """Return that moves cover no distance, where none does: then there is no index."""
+    if not all(move.stands for move in study.study.manoeuvre):
+        return []
+    return ["No move covers any distance: there is no performance index, and no loss per travel."]
+
+
 def gains(
     found: Sequence[Section], before: Sequence[Section], heading: str = "Study's own"
 ) -> Tabular:
@@ -141,13 +160,17 @@ def gains(
     return Tabular("Gains", [*left("Symbol"), key, *right("Value", heading), meaning], rows)
 
 
+def _of_machine(results: Results) -> tuple[Check, ...]:
+    return machine_checks(results.verified) if results.verified else ()
+
+
 def requirements(checks: Iterable[Check]) -> Tabular:
     """Return the requirements with what was found."""
     rows: list[Row] = [
         [
             check.label,
             check.limit,
-            number(check.found),
+            check.found_text,
             verdict(check.status.value, good=check.status is Status.SATISFIED),
             Cell(check.grounds.value if check.grounds else "—", "small"),
             Cell(place_text(check.at), "small"),
@@ -158,31 +181,7 @@ def requirements(checks: Iterable[Check]) -> Tabular:
     return Tabular("Requirements", [*columns, wide("Where", detail=True)], rows)
 
 
-def _paper(results: Results) -> Tabular:
-    """Return index and loss beside the paper's, by mass."""
-    rows: list[Row] = []
-    for mass in sorted({case.mass_kg for case in results.moves}):
-        linear = [
-            index_text([case for case in moves if case.mass_kg == mass])
-            for moves in (results.moves_before, results.moves)
-        ]
-        cases = of_mass(results.verified, mass)
-        index, loss = (
-            Cell(number(max(case.mean(key) for case in cases), 3), "strong") if cases else "—"
-            for key in ("performance_index_ms", "energy_loss_j_per_mm")
-        )
-        paper = f"{MEASURED_LOSS[mass]:g}" if mass in MEASURED_LOSS else "—"
-        stable = f"{sum(case.stable for case in cases)} of {len(cases)}" if cases else "—"
-        measured = milliseconds(MEASURED_INDEX_RANGE.get(mass))
-        rows.append([f"{mass / 1e3:g} t", measured, *linear, index, paper, loss, stable])
-    columns = right(
-        "Mass",
-        "Index [ms]\npaper",
-        "linear,\nown gains",
-        "linear,\nthese",
-        "machine,\nthese",
-        "Loss [J/mm]\npaper",
-        "machine,\nthese",
-        "Stable\nruns",
-    )
-    return Tabular("Beside the paper", columns, rows)
+def differs(found: Iterable[Difference], title: str = "Made for another model") -> Tabular:
+    """Return in what a model differs from the one that gains were made for."""
+    rows: list[Row] = [[Cell(one.key, "key"), one.made_for, one.here] for one in found]
+    return Tabular(title, [*left("Key"), wide("In the gains file, SI"), wide("Here, SI")], rows)

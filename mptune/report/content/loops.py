@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+import numpy as np
+
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.report.blocks import (
     Cell,
@@ -21,10 +23,10 @@ from mptune.report.blocks import (
     verdict,
     wide,
 )
-from mptune.robust.chain import factor_text
+from mptune.robust.chain import GAIN_RESERVE, factor_text
 from mptune.robust.one_at_a_time import PARAMETERS
 from mptune.robust.tables import EQUATIONS, margin_rows, place_text
-from mptune.units import number, shown
+from mptune.units import exact, number, number_beside, shown
 
 if TYPE_CHECKING:
     from collections.abc import Mapping, Sequence
@@ -95,13 +97,21 @@ def _condition(condition: Condition) -> list[str | Cell]:
     broken = ", ".join(words for words, holds in premises.items() if not holds)
     return [
         f"{EQUATIONS[condition.name]} ({condition.name})",
-        f"{condition.worst_ratio:.4f}",
+        ratio_text(condition),
         f"{condition.certified.bound:.4f}" if condition.certified else "—",
         f"{condition.margin:.3f}",
         Cell(_worst_at(condition), "small"),
         verdict(broken or "hold", good=not broken),
         verdict(f"{condition.status}, {condition.grounds}", good=condition.satisfied),
     ]
+
+
+def ratio_text(condition: Condition) -> str:
+    """Return a worst ratio for print, with digits enough to differ from a limit that is one."""
+    limits = np.unique(condition.allowed)
+    beside = exact(float(limits[0])) if len(limits) == 1 else "1"
+    text = f"{condition.worst_ratio:.4f}"
+    return text if float(text) != float(beside) else number_beside(condition.worst_ratio, beside)
 
 
 def _worst_at(condition: Condition) -> str:
@@ -264,7 +274,8 @@ def gain_chain(results: Results) -> Chapter | None:
             "Each model is more complete than the one before; the machine is the study's "
             "verification cases, which are not the family's corners. A finite grid, and on the "
             "machine few movement sets, can only miss what limits sooner: the factors err on the "
-            "high side."
+            "high side. “Lumped delay”: the delays of Eq. 14 to 21 kept where path and sampling "
+            "are explicit, another reading, on which no verdict rests."
         ),
     )
 
@@ -274,16 +285,20 @@ def gain_factors(links: Sequence[Link]) -> Tabular:
     rows: list[Row] = [
         [
             link.name,
-            verdict(factor_text(link.factor), good=link.factor >= 1),
-            Cell(place_text(link.at), "small"),
+            factor_text(link.factor)
+            if link.beside
+            else verdict(factor_text(link.factor), good=link.safe >= GAIN_RESERVE),
+            "—" if np.isnan(link.guaranteed) else factor_text(link.guaranteed),
+            Cell(link.note or place_text(link.at), "small"),
         ]
         for link in links
     ]
-    columns = [*left("Model"), *right("Factor"), wide("Limited by")]
+    columns = [*left("Model"), *right("Factor", "Guaranteed"), wide("Limited by")]
     return Tabular("How far the gain at F_ref may rise", columns, rows)
 
 
 def factors_text(links: Sequence[Link]) -> str:
     """Return the chain's factors in a line."""
-    factors = ", ".join(f"{link.name} {factor_text(link.factor)}" for link in links)
+    counted = [link for link in links if not link.beside]
+    factors = ", ".join(f"{link.name} {factor_text(link.factor)}" for link in counted)
     return f"Gain at F_ref may rise by: {factors}."

@@ -8,6 +8,7 @@ from mptune.campaign.adversary import find_worst
 from mptune.campaign.campaign import run_campaign
 from mptune.campaign.simulate import FIGURES, Controlled, figures_of, simulate, simulate_rows
 from mptune.campaign.workers import Workers, workers
+from mptune.claim import claimed
 from mptune.errors import InputError, MptuneError
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
@@ -119,8 +120,32 @@ def test_finished_chunks_ask_for_resume_and_are_not_run_again(plan, run, tmp_pat
 
 def test_chunks_of_another_campaign_are_refused(plan, run):
     interrupted(run, plan(*WIDE), 25)
-    with pytest.raises(InputError, match="another campaign"):
+    with pytest.raises(InputError, match=r"another campaign.*: seed 1 there, 2 here"):
         run(plan(*WIDE, "seed=2"), resume=True)
+    with pytest.raises(InputError, match=r"noise .* there, .* here"):
+        run(plan(*WIDE, "noise=[0.5, 3]"), resume=True)
+
+
+@pytest.mark.parametrize("resume", [False, True])
+def test_a_campaign_of_another_seed_is_kept_and_one_of_the_same_seed_replaced(
+    plan, run, tmp_path, resume
+):
+    run(plan("runs=4"))
+    kept = stored(tmp_path)
+    with pytest.raises(InputError, match="holds a campaign of seed 1, and this one has seed 2"):
+        run(plan("runs=4", "seed=2"), resume=resume)
+    assert stored(tmp_path).identical(kept)
+    run(plan("runs=5"), resume=resume)
+    assert stored(tmp_path).sizes["run"] == 5
+
+
+def test_one_folder_takes_one_campaign_at_a_time(plan, run, tmp_path):
+    with claimed(tmp_path, "campaign", "a campaign of 9 runs, seed 7"):
+        with pytest.raises(InputError, match="written to by a campaign of 9 runs, seed 7"):
+            run(plan("runs=4"))
+        run(plan("runs=4"), tmp_path / "other")
+    assert list(tmp_path.iterdir()) == [tmp_path / "other"]
+    assert not list((tmp_path / "other").glob(".*"))
 
 
 def test_a_damaged_chunk_is_named(plan, run, tmp_path):

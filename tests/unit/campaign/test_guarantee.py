@@ -51,5 +51,5 @@ def test_one_run_less_is_not_enough(failures):
 
 @pytest.mark.parametrize("numbers", [(0.0, 0.1), (0.1, 1.0), (2.0, 0.1), (0.1, -1.0)])
 def test_what_is_no_probability_is_refused(numbers):
-    with pytest.raises(InputError, match="is not between 0 and 1"):
+    with pytest.raises(InputError, match="is not between 1e-12 and 1"):
         runs_table(*numbers)

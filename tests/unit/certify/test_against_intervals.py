@@ -35,9 +35,8 @@ def test_the_attained_place_has_the_attained_value_and_none_has_more_than_the_bo
     published, name
 ):
     problem = published["section_5_1"]
-    attained, proved = limits(bound(problem, *name))
-    found = bound(problem, *name)
-    form = form_of(problem, *name)
+    found, form = bound(problem, *name), form_of(problem, *name)
+    attained, proved = limits(found, form)
     ratio = problem.box.nominal.mass / found.at.mass
     place = np.array([found.at.omega, ratio, *found.at[1:4], 0.0])
     none = np.zeros(6)

@@ -248,3 +248,32 @@ def test_names_that_make_no_figure_are_refused(published, varied):
     short = varied(delay=(0.004, 0.014))
     with pytest.raises(ValueError, match="T_S/2"):
         bound(short, "force_reference", "sampled", "sensitivity_peak")
+
+
+@pytest.mark.parametrize("path", ["none", "filters", "sampled"])
+def test_the_compliance_of_the_published_gains(published, path):
+    """Attained values by another route: |S|/(mω²) of the named plant at the named frequency."""
+    found = bound(published["section_5_1"], "force_reference", path, "peak_compliance")
+    expected = {"none": 1.48915e-7, "filters": 3.24567e-7, "sampled": 3.17088e-7}[path]
+    print(f"{path}: {found.attained:.6g} to {found.bound:.6g} m/N, {found.boxes} boxes")
+    assert found.closed
+    assert found.attained <= found.bound
+    assert found.attained == pytest.approx(expected, rel=1e-4)
+    mass = 49000.0 if path == "none" else 24500.0
+    assert found.at[:4] == pytest.approx((mass, 0.014, 0.0122, 0.0119))
+
+
+@pytest.mark.parametrize("path", ["none", "filters", "sampled"])
+def test_without_an_integral_the_load_is_held_by_both_gains_alone(varied, path):
+    """As the frequency vanishes x/F_load tends to 1/(K_P,vel K_P,pos), whatever the mass."""
+    problem = varied(gains={"k_p_vel": 200e3, "k_p_pos": 2.0, "k_i_pos": 0.0})
+    found = bound(problem, "force_reference", path, "peak_compliance")
+    assert found.closed
+    assert found.attained == pytest.approx(1 / (200e3 * 2.0), rel=2e-3)
+    nothing = varied(gains={"k_p_pos": 0.0, "k_i_pos": 0.0})
+    assert math.isinf(bound(nothing, "force_reference", path, "peak_compliance").attained)
+
+
+def test_a_compliance_is_the_whole_loops(published):
+    with pytest.raises(ValueError, match="whole loop"):
+        bound(published["section_5_1"], "velocity", "filters", "peak_compliance")

@@ -50,17 +50,20 @@ def test_the_remainder_falls_with_terms_and_rises_with_frequency(published):
     assert remainder(form, 1.0, terms, 50.0) <= 1e-5 < remainder(form, 1.0, terms - 1, 50.0)
 
 
-@pytest.mark.parametrize("figure", ["sensitivity_peak", "complementary_peak", "disk_margin"])
+@pytest.mark.parametrize(
+    "figure", ["sensitivity_peak", "complementary_peak", "disk_margin", "peak_compliance"]
+)
 def test_a_bound_of_the_truncated_loop_is_one_of_the_loop(published, figure):
     form = form_of(published["section_5_1"], "force_reference", "sampled", figure)
     rng, left_out, bound = np.random.default_rng(7), 0.01, 5.0
-    allowed = truncated_bound(form, bound, left_out)
+    allowed = truncated_bound(form, bound, left_out, 1.0)
     assert 0.8 * bound < allowed < bound
     gain = rng.normal(size=20000) + 1j * rng.normal(size=20000) - 1
     moved = gain + left_out * np.exp(2j * np.pi * rng.uniform(size=20000))
 
     def of(loop):
-        return np.abs((form.share_s + form.share_t * loop) / (1 + loop))
+        shares = (1.0, 0.0) if figure == "peak_compliance" else (form.share_s, form.share_t)
+        return np.abs((shares[0] + shares[1] * loop) / (1 + loop))
 
     kept = of(gain) <= allowed
     assert kept.any()

@@ -8,7 +8,7 @@ import pytest
 from mptune.certify.climb import figure_at
 from mptune.certify.enclosure import OMEGA, SIDES, clearance, enclose, plant_over
 from mptune.certify.figures import coefficients
-from mptune.certify.form import curve_of, form_of
+from mptune.certify.form import COMPLIANCE, curve_of, form_of
 from mptune.certify.problem import edges_of
 from mptune.certify.rows import FIXED, PER_DUAL
 from mptune.certify.sampled import shifts_up_to
@@ -25,6 +25,9 @@ FIGURES = [
     ("force_reference", "filters", "disk_margin"),
     ("force_reference", "sampled", "sensitivity_peak"),
     ("force_reference", "sampled", "complementary_peak"),
+    ("force_reference", "none", "peak_compliance"),
+    ("force_reference", "filters", "peak_compliance"),
+    ("force_reference", "sampled", "peak_compliance"),
 ]
 GAINS = {
     "published": {},
@@ -42,7 +45,8 @@ def evaluate(form, curve, centre, half, num, den):
     slopes, spreads = np.empty(SIDES), np.empty(SIDES)
     coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], row)
     plant = plant_over(row, shifts, form.share_a, centre, half)
-    found = enclose(plant, row, len(shifts), num, den, centre, half, slopes, spreads)
+    power = 2 if form.figure == COMPLIANCE else 0
+    found = enclose(plant, row, len(shifts), num, den, centre, half, slopes, spreads, power)
     clear = clearance(plant, row, len(shifts), centre, half)
     return found, slopes, spreads, clear
 
@@ -71,6 +75,8 @@ def random_box(rng, edges):
 @pytest.mark.parametrize("kind", GAINS)
 @pytest.mark.parametrize("name", FIGURES, ids="-".join)
 def test_the_figure_of_every_member_is_enclosed(varied, name, kind):
+    if name[2] == "peak_compliance" and kind == "velocity loop alone":
+        pytest.skip("where the position is not fed back a load moves it without end")
     problem = varied(gains=GAINS[kind], delay=(0.005, 0.03), mass=(15e3, 60e3))
     form, curve = form_of(problem, *name), curve_of(1.0)
     rng = np.random.default_rng(1)

@@ -12,7 +12,9 @@ from mptune.params.gains import write_gains
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 
-CORNERS = ("--set", "uncertainty.points=2")
+SHORT = 'uncertainty.delay=["11 ms", "14 ms"]'  # the loop then runs with a reserve
+LONG = 'uncertainty.delay=["11 ms", "21.5 ms"]'  # Fig. 5's
+CORNERS = ("--set", "uncertainty.points=2", "--set", SHORT)
 
 
 @pytest.fixture
@@ -20,7 +22,7 @@ def gains(load_boom, tmp_path):
     """Write a gains file of the boom study, or of the study with overrides."""
 
     def write(*overrides, **changes):
-        study = load_boom(*overrides, corners=True)
+        study = load_boom(SHORT, *overrides, corners=True)
         return write_gains(tmp_path / "gains.toml", gains_of(study, **changes))
 
     return write
@@ -73,18 +75,18 @@ def test_c_is_a_folder_of_sources(export, gains):
 
 
 def test_gains_are_rounded_to_the_digits_asked_for(export, gains, tmp_path):
-    given = gains("gains.tau=5.2463 ms", "gains.k_i_pos=23.456 1/s^2")
-    changed = ("--set", "gains.tau=5.2463 ms")  # gains are no part of the study's hash
+    given = gains("gains.tau=6.0463 ms", "gains.k_i_pos=22.456 1/s^2")
+    changed = ("--set", "gains.tau=6.0463 ms")  # gains are no part of the study's hash
     code, _, _, folder = export(given, "toml", "--digits", "3", *changed)
     values = tomllib.loads((folder / "controller.toml").read_text(encoding="utf-8"))
     assert code == 0
-    assert values["gains"]["tau"] == 0.00525
-    assert values["gains"]["k_i_pos"] == 23.5
+    assert values["gains"]["tau"] == 0.00605
+    assert values["gains"]["k_i_pos"] == 22.5
 
 
 def test_rounding_that_breaks_a_requirement_writes_nothing(export, gains):
-    limit = ("--set", "requirements.velocity_ratio=0.635")
-    given = gains("requirements.velocity_ratio=0.635", "gains.k_p_vel=681 kN s/m")
+    limit = ("--set", "requirements.velocity_ratio=0.635", "--set", LONG)
+    given = gains("requirements.velocity_ratio=0.635", "gains.k_p_vel=681 kN s/m", LONG)
     code, out, _, folder = export(given, "toml", "--digits", "1", *limit)
     assert code == 1
     assert not folder.exists()
@@ -110,8 +112,8 @@ def test_gains_without_satisfied_margins_need_force(export, gains):
 
 
 def test_gains_whose_margins_fail_when_swept_need_force_whatever_the_file_says(export, gains):
-    limit = ("--set", "requirements.velocity_ratio=0.6")
-    given = gains("requirements.velocity_ratio=0.6")
+    limit = ("--set", "requirements.velocity_ratio=0.6", "--set", LONG)
+    given = gains("requirements.velocity_ratio=0.6", LONG)
     code, _, err, folder = export(given, "toml", *limit)
     assert code == 2
     assert "violated" in err

@@ -13,8 +13,11 @@ from mptune.cli import terminal
 from mptune.report.blocks import Note, Tabular, left, right, verdict, wide
 
 SCRIPT = """
-from mptune.cli.show_run import outcome
-outcome(met={met})
+from mptune.cli.show import headline
+from mptune.params.headline import Headline
+from mptune.robust.headline import Judgement
+word = Headline.MET if {met} else Headline.NOT_MET
+headline(Judgement(word, "so it was asked"))
 """
 
 
@@ -44,7 +47,7 @@ def test_a_terminal_gets_verdicts_in_colour():
 def test_no_color_is_obeyed():
     text = on_terminal(met=True, NO_COLOR="1")
     assert "\x1b[3" not in text
-    assert "Every requirement is met." in text
+    assert "Verdict: met: so it was asked" in text
 
 
 @pytest.mark.parametrize("met", [True, False])
@@ -52,7 +55,7 @@ def test_a_pipe_gets_plain_text(met):
     command = [sys.executable, "-c", SCRIPT.format(met=met)]
     done = subprocess.run(command, capture_output=True, text=True, check=True)
     assert "\x1b" not in done.stdout
-    assert done.stdout.strip().endswith("met.")
+    assert done.stdout.startswith("Verdict: " + ("met:" if met else "not met:"))
 
 
 WHERE = "24.5 t, d 21.5 ms, τ 12.2/11.9 ms, ω 55.6 rad/s"

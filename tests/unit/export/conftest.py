@@ -11,6 +11,7 @@ MOVES = (
     'manoeuvre=[{distance="35 mm", duration="0.6 s", rest="0.5 s"},'
     ' {distance="-35 mm", duration="0.5 s", rest="0.4 s"}]'
 )
+SHORT = 'uncertainty.delay=["11 ms", "14 ms"]'  # the loop then runs with a reserve
 FEEDFORWARD = (
     'feedforward.acceleration_mass="30 t"',
     'feedforward.reference_lag="12 ms"',
@@ -22,13 +23,19 @@ FEEDFORWARD = (
 
 @pytest.fixture(scope="session")
 def study(load_boom):
-    return load_boom(MOVES, corners=True)
+    return load_boom(MOVES, SHORT, corners=True)
 
 
 @pytest.fixture(scope="session")
 def full_study(load_boom):
     """The same with everything switched on that the paper leaves off."""
-    return load_boom(MOVES, *FEEDFORWARD, corners=True)
+    return load_boom(MOVES, SHORT, *FEEDFORWARD, corners=True)
+
+
+@pytest.fixture(scope="session")
+def proportional_study(load_boom):
+    """The same without an integral, which then carries no load."""
+    return load_boom(MOVES, "gains.k_i_pos=0 1/s^2", corners=True)
 
 
 ESTIMATED = (

@@ -1,7 +1,9 @@
 """Enough of IEC 61131-3 Structured Text to check the export's grammar and to run it.
 
-A grammar after the standard's annex for functions, function blocks and global constants, and an
-interpreter over its tree. Block instances are called with named inputs.
+A grammar after the standard's annex for functions, function blocks, programs and a configuration
+with global constants, and an interpreter over its tree. Block instances are called with named
+inputs. As with compilers that keep to the standard's letter, a block sees a global constant only if
+it declares it as external, of the same type.
 """
 
 from __future__ import annotations
@@ -11,9 +13,14 @@ import operator
 from lark import Lark, Token
 
 GRAMMAR = r"""
-    start: (globals | function | block)+
+    start: (function | block | program)+ configuration
+    configuration: "CONFIGURATION" NAME globals resource "END_CONFIGURATION"
     globals: "VAR_GLOBAL" "CONSTANT" constant+ "END_VAR"
-    constant: NAME ":" TYPE ":=" SIGN? REAL ";"
+    constant: NAME ":" TYPE ":=" SIGN? (REAL | INTEGER) ";"
+    resource: "RESOURCE" NAME "ON" NAME task task_program "END_RESOURCE"
+    task: "TASK" NAME "(" "INTERVAL" ":=" TIME "," "PRIORITY" ":=" INTEGER ")" ";"
+    task_program: "PROGRAM" NAME "WITH" NAME ":" NAME ";"
+    program: "PROGRAM" NAME section* body "END_PROGRAM"
     function: FUNCTION NAME ":" TYPE section* body "END_FUNCTION"
     block: "FUNCTION_BLOCK" NAME section* body "END_FUNCTION_BLOCK"
     section: KIND variable+ "END_VAR"
@@ -31,7 +38,8 @@ GRAMMAR = r"""
     ?unary: NOT unary -> negate
         | SIGN unary -> minus
         | primary
-    ?primary: REAL -> real
+    ?primary: (REAL | INTEGER) -> real
+        | BOOLEAN -> boolean
         | "(" expression ")"
         | NAME "(" expression ("," expression)* ")" -> call
         | NAME "." NAME -> member
@@ -43,14 +51,17 @@ GRAMMAR = r"""
     OR.3: /OR\b/
     AND.3: /AND\b/
     NOT.3: /NOT\b/
-    KIND.3: /VAR_INPUT\b/ | /VAR_OUTPUT\b/ | /VAR\b/
-    TYPE.3: /LREAL\b/ | /REAL\b/ | /BOOL\b/
+    BOOLEAN.3: /TRUE\b/ | /FALSE\b/
+    KIND.3: /VAR_INPUT\b/ | /VAR_OUTPUT\b/ | /VAR_EXTERNAL CONSTANT\b/ | /VAR\b/
+    TYPE.3: /LREAL\b/ | /REAL\b/ | /BOOL\b/ | /DINT\b/
+    TIME.3: /T#[0-9]+(\.[0-9]+)?ms/
     COMPARE: "<=" | ">=" | "<>" | "<" | ">" | "="
     ADD: "+" | "-"
     SIGN: "-"
     MULTIPLY: "*" | "/"
     NAME: /[A-Za-z_][A-Za-z0-9_]*/
-    REAL: /[0-9]+\.[0-9]+(E[+-]?[0-9]+)?/
+    REAL.2: /[0-9]+\.[0-9]+(E[+-]?[0-9]+)?/
+    INTEGER: /[0-9]+/
     COMMENT: /\(\*(.|\n)*?\*\)/
     %import common.WS
     %ignore WS
@@ -83,8 +94,16 @@ class Program:
             one.children[0].value: float("".join(one.children[2:]))
             for one in tree.find_data("constant")
         }
+        self.kinds = {
+            one.children[0].value: one.children[1].value for one in tree.find_data("constant")
+        }
+        self.interval = next(tree.find_data("task")).children[1].value
         self.functions = {one.children[1].value: one for one in tree.find_data("function")}
-        self.blocks = {one.children[0].value: one for one in tree.find_data("block")}
+        self.blocks = {
+            one.children[0].value: one
+            for kind in ("block", "program")
+            for one in tree.find_data(kind)
+        }
 
     def instance(self, name):
         return Instance(self, self.blocks[name].children[1:])
@@ -98,7 +117,10 @@ class Instance:
         for section in parts[:-1]:
             for variable in section.children[1:]:
                 name, kind = variable.children
-                if kind.type == "TYPE":
+                if section.children[0].startswith("VAR_EXTERNAL"):
+                    assert kind == program.kinds[name.value], name
+                    self.values[name.value] = program.constants[name.value]
+                elif kind.type == "TYPE":
                     self.values[name.value] = False if kind == "BOOL" else 0.0
                 else:
                     self.values[name.value] = program.instance(kind.value)
@@ -116,7 +138,7 @@ class Instance:
             getattr(self, f"_{statement.data}")(*statement.children)
 
     def _assign(self, name, expression):
-        assert name.value in self.values, name
+        assert name.value in self.values.keys() - self.program.constants.keys(), name
         self.values[name.value] = self._value(expression)
 
     def _branch(self, _if, condition, _then, body, _else=None, otherwise=None):
@@ -137,8 +159,10 @@ class Instance:
         return float(digits)
 
     def _value_name(self, name):
-        known = self.values if name.value in self.values else self.program.constants
-        return known[name.value]
+        return self.values[name.value]
+
+    def _value_boolean(self, word):
+        return word == "TRUE"
 
     def _value_member(self, instance, name):
         return self.values[instance.value].values[name.value]

@@ -17,6 +17,27 @@ from mptune.verify.verify import run_case
 
 pytestmark = pytest.mark.compiled  # they simulate at length
 
+MOVES = (
+    'manoeuvre=[{distance="35 mm", duration="0.6 s", rest="0.3 s"},'
+    ' {distance="-35 mm", duration="0.5 s", rest="0.2 s"}]'
+)
+HUBER, PATH, TWO = 'controller.error="huber"', 'controller.loss="path"', "controller.horizon=2"
+STEADY = (
+    'controller.force_model="steady-state"',
+    'controller.weight_switching="400 N"',
+    'controller.weight_loss="200 N/J"',
+    'controller.weight_compression="60 N/J"',
+)
+DECISIONS = {
+    "huber": (HUBER,),
+    "path": (PATH, 'controller.converter_flow="mean"'),
+    "two periods": (TWO, "controller.candidates=9"),
+    "common mode": ('controller.weight_common_mode="300 N/MPa"',),
+    "all": (HUBER, PATH, TWO, 'controller.weight_common_mode="300 N/MPa"',
+            'controller.delay_prediction="6.5 ms"'),
+    "steady state": STEADY,
+    "steady state, two periods": (*STEADY, TWO, HUBER),
+}  # fmt: skip
 POINTER, STATE, INPUT, NUMERIC = 1, 2, 4, 8
 NUMBERS_IN_STATE = 71
 
@@ -59,10 +80,12 @@ def test_every_valve_command_is_mptune_s_own_to_the_last_bit(sources, recording,
     assert not held[found[1:, target.DECIDED] == 0].any()
 
 
-def test_what_the_paper_leaves_off_is_the_same_too(full_study, tmp_path):
-    """Feed-forward, lagged references, delay prediction and the mean flow."""
-    target.write_sources(full_study, tmp_path / "c")
-    recording = record_case(full_study, first_case(full_study, 49000.0))
+@pytest.mark.parametrize("which", ["full_study", "proportional_study"])
+def test_what_the_paper_leaves_off_is_the_same_too(request, which, tmp_path):
+    """Feed-forward, lagged references, delay prediction and the mean flow; no integral."""
+    study = request.getfixturevalue(which)
+    target.write_sources(study, tmp_path / "c")
+    recording = record_case(study, first_case(study, 49000.0))
     program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
     found, _ = replay(program, recording, tmp_path)
     same_decisions(found, recording)
@@ -74,6 +97,30 @@ def test_estimator_and_feed_forward_are_the_same_too(estimated_study, tmp_path):
     program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
     found, _ = replay(program, recording, tmp_path)
     same_decisions(found, recording)
+
+
+@pytest.mark.parametrize("name", DECISIONS)
+def test_every_option_of_the_decision_is_the_same_to_the_last_bit(load_boom, name, tmp_path):
+    study = load_boom(MOVES, *DECISIONS[name], corners=True)
+    target.write_sources(study, tmp_path / "c")
+    recording = record_case(study, first_case(study, 49000.0))
+    program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
+    found, _ = replay(program, recording, tmp_path)
+    same_decisions(found, recording)
+    assert len(np.unique(recording.decisions[:, rec.STATE_A])) > 5
+
+
+@pytest.mark.parametrize("name", ["all", "steady state, two periods"])
+def test_sanitizers_find_nothing_in_any_option(load_boom, name, tmp_path):
+    study = load_boom(MOVES, *DECISIONS[name], corners=True)
+    target.write_sources(study, tmp_path / "c")
+    recording = record_case(study, first_case(study, 24500.0))
+    recording = recording._replace(inputs=recording.inputs[:1000])
+    compiler, flags = target.sanitizing()
+    program = compile_c(compiler, tmp_path / "c", tmp_path / "replay", *flags, extra=[REPLAY])
+    spoilt, _ = replay(program, spoilt_inputs(recording, 1000), tmp_path)
+    assert (spoilt[:, target.FAULT] != 0).any()
+    assert np.isfinite(spoilt).all()
 
 
 def test_single_precision_differs_only_where_two_choices_cost_the_same(study, recording, tmp_path):

@@ -14,12 +14,14 @@ import recording as rec
 from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from mockup import INPUTS, Unit
-from recording import drive, first_case, rig_of
-from target import any_compiler, zig
+from recording import drive, first_case, record_case, rig_of
+from target import any_compiler, gains_of, zig
 
 from mptune.errors import MptuneError
 from mptune.export.fmu import build_unit, write_units
+from mptune.export.formats import Precision
 from mptune.force.search_space import search_space
+from mptune.job.export import prepare
 
 pytestmark = pytest.mark.compiled  # they simulate at length
 
@@ -54,6 +56,23 @@ def test_units_pass_fmpy_s_validation(path):
 def test_the_machine_under_a_unit_runs_as_under_mptune(unit, study, recording):
     trace = drive(rig_of(study, first_case(study, 24500.0)), unit)
     assert (trace == recording.trace).all()
+
+
+def test_a_unit_decides_as_mptune_does_with_every_option(load_boom, tmp_path):
+    """The sources are those of the C export, where each option is compared on its own."""
+    move = 'manoeuvre=[{distance="20 mm", duration="0.5 s", rest="0.2 s"}]'
+    study = load_boom(
+        move, 'controller.error="huber"', 'controller.loss="path"', "controller.horizon=2",
+        'controller.weight_common_mode="300 N/MPa"', corners=True,
+    )  # fmt: skip
+    any_compiler()
+    paths = write_units(prepare(study, gains_of(study), Precision.DOUBLE), tmp_path)
+    recording = record_case(study, first_case(study, 24500.0))
+    for path in paths:
+        unit = Unit(path, STEP)
+        trace = drive(rig_of(study, first_case(study, 24500.0)), unit)
+        unit.close()
+        assert (trace == recording.trace).all()
 
 
 def test_fmpy_s_own_simulation_is_stepping_by_hand(path, unit, recording):

@@ -12,7 +12,7 @@ from structured_text_language import PARSER, Program
 from target import gains_of
 
 from mptune.export.formats import Precision
-from mptune.export.structured_text import structured_text
+from mptune.export.structured_text import _milliseconds, structured_text
 from mptune.export.table import as_toml
 from mptune.job.export import prepare
 
@@ -28,6 +28,51 @@ def test_the_text_follows_the_grammar(text, single):
         names = [block.children[0].value for block in tree.find_data("block")]
         assert names[-1] == "MPT_OuterLoops"
         assert len(names) == 6
+        assert len(list(tree.find_data("program"))) == 1
+
+
+def test_a_block_that_uses_a_constant_says_so_and_no_other_does(text):
+    for unit in re.findall(
+        r"^(?:FUNCTION_BLOCK|PROGRAM) .*?^END_\w+$", text, re.MULTILINE | re.DOTALL
+    ):
+        bare = re.sub(r"\(\*.*?\*\)", "", unit, flags=re.DOTALL)
+        *_, body = bare.split("END_VAR\n")
+        external = re.search(r"VAR_EXTERNAL CONSTANT\n(.*?)END_VAR", bare, re.DOTALL)
+        declared = re.findall(r"MPT_\w+", external[1]) if external else []
+        assert sorted(declared) == sorted(set(re.findall(r"MPT_[A-Z0-9_]+\b", body)))
+
+
+def test_a_constant_that_is_not_declared_is_out_of_reach(text):
+    without = re.sub(r"VAR_EXTERNAL CONSTANT\n    MPT_SAMPLE_TIME : LREAL;\nEND_VAR\n", "", text)
+    assert without != text
+    block = Program(without).instance("MPT_Differentiator")
+    with pytest.raises(KeyError, match="MPT_SAMPLE_TIME"):
+        block(Reset=True, Position=0.1)
+
+
+def test_the_program_runs_in_a_task_of_the_fast_period(text, single, study):
+    signals = study.study.controller
+    assert Program(text).interval == "T#0.5ms"
+    assert signals.fast_sampling_period == 0.5e-3
+    for one in (text, single):
+        program = Program(one if isinstance(one, str) else structured_text(one))
+        ticks = signals.sampling_period / signals.fast_sampling_period
+        assert program.constants["MPT_TICKS"] == round(ticks)
+
+
+@pytest.mark.parametrize(
+    ("seconds", "wanted"),
+    [
+        (0.5e-3, "0.5"),
+        (1e-3, "1"),
+        (0.01, "10"),
+        (0.1, "100"),
+        (1e-7, "0.0001"),
+        (1 / 3e3, "0.333333"),
+    ],
+)
+def test_a_time_has_no_exponent(seconds, wanted):
+    assert _milliseconds(seconds) == wanted
 
 
 @pytest.mark.parametrize(
@@ -38,6 +83,9 @@ def test_the_text_follows_the_grammar(text, single):
         (" := ", " = "),
         ("1.0 - Pole", "1. - Pole"),
         ("ELSE", "ELSE IF"),
+        ("CONFIGURATION", "CONFIG"),
+        ("T#0.5ms", "0.5ms"),
+        ("END_RESOURCE", ""),
     ],
 )
 def test_the_grammar_refuses_what_is_wrong(text, old, new):
@@ -57,6 +105,7 @@ def test_constants_are_those_of_the_table(request, which):
         for name in ("outer_loops", "feedforward_lags", "state_estimator", "filters")
         for key, value in table[name].items()
     }
+    assert constants.pop("MPT_TICKS") == controller.numbers.ticks
     for name, value in constants.items():
         rounded = float(np.float32(value)) if which == "single" else value
         assert rounded == numbers.pop(name)
@@ -70,7 +119,7 @@ def test_single_precision_declares_no_double(single):
 
 
 @pytest.mark.compiled
-@pytest.mark.parametrize("which", ["study", "full_study"])
+@pytest.mark.parametrize("which", ["study", "full_study", "proportional_study"])
 def test_the_blocks_give_the_simulator_s_force_reference(request, which):
     """Bit for bit but for two sums that the blocks take in another order."""
     study = request.getfixturevalue(which)
@@ -78,8 +127,10 @@ def test_the_blocks_give_the_simulator_s_force_reference(request, which):
     program = Program(structured_text(controller))
     recording = record_case(study, first_case(study, 24500.0))
     measurement, loops = program.instance("MPT_Measurement"), program.instance("MPT_OuterLoops")
+    whole = program.instance("MPT_Program")
     x_ref, v_ref, _, position, *_ = recording.first.tolist()
     measurement(Reset=True, Sample=position, PositionReference=x_ref, VelocityReference=v_ref)
+    whole(Reset=True, Sample=position, PositionReference=x_ref, VelocityReference=v_ref)
     rows = zip(recording.inputs[:2000].tolist(), recording.decisions.tolist(), strict=False)
     first = True
     for tick, (row, decision) in enumerate(rows):
@@ -96,6 +147,15 @@ def test_the_blocks_give_the_simulator_s_force_reference(request, which):
                 Velocity=measurement.Velocity,
             )
             first = False
+        whole(
+            Reset=False,
+            Load=recording.load,
+            Sample=row[3],
+            PositionReference=row[0],
+            VelocityReference=row[1],
+            AccelerationReference=row[2],
+        )
+        assert whole.ForceReference == loops.ForceReference
         assert loops.ForceReference == pytest.approx(decision[rec.FORCE], rel=1e-9, abs=1e-6)
 
 

@@ -2,9 +2,13 @@
 
 import numpy as np
 import pytest
+from deciding import chosen, states
 
 from mptune.errors import MptuneError
 from mptune.force.controller import ForceController, Measured
+from mptune.force.search_space import search_space
+from mptune.force.select import decide
+from mptune.params.pack import pack_force
 
 
 def measured(**changes):
@@ -80,3 +84,23 @@ def test_two_controllers_do_not_share_their_memory(boom):
     one, other = ForceController(boom), ForceController(boom)
     one.step(3e4, measured(), 0.16, 0.05)
     assert other.states == (0, 0)
+
+
+@pytest.mark.parametrize(
+    "options",
+    [
+        ('controller.error="huber"', 'controller.loss="path"', "controller.horizon=2"),
+        ('controller.force_model="steady-state"', 'controller.weight_compression="60 N/J"'),
+    ],
+)
+def test_it_decides_with_every_option_as_the_kernel_does(load_boom, options):
+    study = load_boom(*options)
+    controller, settings, space = ForceController(study), pack_force(study), search_space()
+    for case in states(40 if hasattr(decide, "py_func") else 3, 18):
+        supplies = case["supplies"]
+        now = Measured(
+            case["x"], case["v"], *case["p"], supplies[0], supplies[5], case["converters"]
+        )
+        expected = chosen(case | {"present": controller.states}, space, settings)
+        controller.step(case["wanted"], now, case["x"] + 0.01, 0.05)
+        assert controller.states == expected

@@ -170,6 +170,99 @@ def test_channels_of_different_rasters(tmp_path):
     refused(tmp_path / "rig.mat", Asked("a [N]", "b [N]", sample_time="1 ms"), "399 samples")
 
 
+def test_a_given_time_between_samples_must_agree_with_the_recorded_one(tmp_path):
+    path = write_csv(tmp_path / "rig.csv")
+    for text in ("0.25 ms", "1 ms", "0.51 ms"):
+        parts = f"`sample time` = {text} contradicts", "steps by 0.5 ms"
+        refused(path, Asked("F_ref", "F", sample_time=text), *parts)
+        refused(path, Asked("F_ref", "F", "t [ms]", text), *parts)
+    assert read_record(path, Asked("F_ref", "F", sample_time="0.502 ms")).sample_time == 0.502e-3
+    refused(path, Asked("F_ref", "F", sample_time="0 ms"), "is not above 0")
+    mdf = write_mdf(tmp_path / "rig.mf4")
+    refused(mdf, Asked("F_ref", "F", sample_time="0.25 ms"), "contradicts", "steps by 0.5 ms")
+    same(read_record(mdf, Asked("F_ref", "F", sample_time="0.5 ms")))
+    shifted = write_mdf(tmp_path / "rig.mf4", force_time=TIME + 0.1 * STEP)
+    refused(shifted, Asked("F_ref", "F", sample_time="0.5 ms"), "instants")
+
+
+def test_a_given_time_between_samples_glues_no_gap(tmp_path):
+    gap = np.where(np.arange(COUNT) >= 57, TIME + 25e-3, TIME)
+    asked = Asked("F_ref", "F", sample_time="0.5 ms")
+    refused(write_csv(tmp_path / "rig.csv", time=1e3 * gap), asked, "evenly: 0.5 ms", "sample 58")
+    savemat(tmp_path / "rig.mat", {"F_ref": REFERENCE, "F": FORCE, "t": gap})
+    asked = Asked("F_ref [N]", "F [N]", sample_time="0.5 ms")
+    refused(tmp_path / "rig.mat", asked, "evenly: 0.0005 (of no unit)", "sample 58")
+
+
+@pytest.mark.parametrize(
+    ("step", "fits"),
+    [
+        (0.5e-3, "s"),
+        (0.5, "ms"),
+        (500.0, "µs"),
+        (5e5, "ns"),
+        (1.0, "samples"),
+        (0.7, ""),
+        (2.0, ""),
+        (0.05, ""),
+    ],
+)
+def test_a_time_without_unit_is_compared_in_each_that_it_may_have(tmp_path, step, fits):
+    path = tmp_path / "rig.mat"
+    savemat(path, {"F_ref": REFERENCE, "F": FORCE, "t": step * np.arange(COUNT)})
+    asked = Asked("F_ref [N]", "F [N]", sample_time="0.5 ms")
+    if fits:
+        same(read_record(path, asked))
+    else:
+        refused(path, asked, "= 0.5 ms contradicts", f"steps by {step:g} (of no unit)")
+
+
+def test_what_is_no_time_of_the_record_does_not_stand_in_its_way(tmp_path):
+    asked = Asked("F_ref", "F", sample_time="0.5 ms")
+    same(read_record(write_csv(tmp_path / "rig.csv", "T [degC],F_ref [kN],F [N],x [mm]"), asked))
+    columns = {"F_ref": REFERENCE, "F": FORCE, "t": 2 * TIME[:-7]}
+    savemat(tmp_path / "rig.mat", columns)
+    asked = Asked("F_ref [N]", "F [N]", sample_time="0.5 ms")
+    same(read_record(tmp_path / "rig.mat", asked))
+    refused(tmp_path / "rig.mat", asked._replace(time="t [s]"), "has 393 samples")
+
+
+def test_elements_of_arrays_are_channels_and_round_brackets_hold_units_too(tmp_path):
+    path = write_csv(tmp_path / "rig.csv", "Time (ms),u[1],u[2] (N),Force (filtered)")
+    same(read_record(path, Asked("u[1] [kN]", "u[2]")))
+    same(read_record(path, Asked("u[1] (kN)", "u[2] [N]", "Time")))
+    refused(path, Asked("u[1]", "u[2]"), "`u[1]` has no unit", '"u[1] [N]"')
+    refused(path, Asked("u", "u[2]"), "it has: Time, u[1], u[2], Force (filtered)")
+
+
+def write_mdf_twice(path, groups):
+    """A file with F_ref once, and a channel F of each group's values."""
+    asammdf = pytest.importorskip("asammdf")
+    with asammdf.MDF(version="4.10") as file:
+        for signals in groups:
+            made = [asammdf.Signal(v, TIME, unit="N", name=name) for name, v in signals]
+            file.append(made)
+        file.save(path, overwrite=True)
+    return path
+
+
+def test_a_channel_that_stands_in_two_groups_is_named_with_its_group(tmp_path):
+    groups = [("F_ref", REFERENCE)], [("F", 2 * FORCE)], [("F", FORCE), ("x", FORCE)]
+    path = write_mdf_twice(tmp_path / "rig.mf4", groups)
+    refused(path, PLAIN, "`F` stands in more than one group", "name one: F@1, F@2")
+    same(read_record(path, Asked("F_ref", "F@2")))
+    same(read_record(path, Asked("F_ref", "F@2 [N]")))
+    assert read_record(path, Asked("F_ref", "F@1")).force == pytest.approx(2 * FORCE)
+    refused(path, Asked("F_ref", "F@3"), "`F@3` is no channel of it")
+
+
+def test_a_channel_that_stands_twice_in_one_group_is_named_with_its_place(tmp_path):
+    groups = [[("F_ref", REFERENCE), ("F", 2 * FORCE), ("F", FORCE)]]
+    path = write_mdf_twice(tmp_path / "rig.mf4", groups)
+    refused(path, PLAIN, "name one: F@0.2, F@0.3")
+    same(read_record(path, Asked("F_ref", "F@0.3")))
+
+
 def test_nan_in_time(tmp_path):
     time = np.where(np.arange(COUNT) == 30, np.nan, 1e3 * TIME)
     refused(write_csv(tmp_path / "rig.csv", time=time), PLAIN, "sample 31")

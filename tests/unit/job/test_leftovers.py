@@ -1,10 +1,15 @@
 """What other commands left for the report: taken for the same model, and for no other."""
 
+import io
 import json
+from xml.etree import ElementTree as ET
 
+import h5py
 import numpy as np
 import pytest
+import xarray as xr
 
+from mptune.figures.style import new_figure, to_svg
 from mptune.identify.excitation import Excitation
 from mptune.identify.result import IdentifyResult, Panel
 from mptune.identify.store import read_panels, write_identification
@@ -13,6 +18,7 @@ from mptune.report.blocks import plain
 from mptune.report.content.identification import identification
 from mptune.report.content.tradeoff import comparison, front
 from mptune.report.content.weights import weights
+from mptune.report.picture import safe_picture
 from mptune.report.results import Leftovers, Results
 
 FIGURES = {
@@ -118,3 +124,122 @@ def test_sections_appear_only_with_their_results(folder, boom):
         assert make(empty) is None
         found = Results(boom, None, None, boom.study.feedforward, leftovers=leftovers(folder, boom))
         assert words in json.dumps(make(found), default=plain, ensure_ascii=False)
+
+
+DAMAGED = [
+    ("comparison", "{"),
+    ("comparison", "[]"),
+    ("comparison", "[" * 100_000),
+    ("comparison", '{"study_hash": "HASH", "rows": [1]}'),
+    ("comparison", '{"study_hash": "HASH", "rows": [{"structure": "pi"}]}'),
+    ("comparison", '{"study_hash": "HASH", "rows": {"a": 1}}'),
+    ("comparison", '{"study_hash": "HASH"}'),
+    ("front", '{"study_hash": "HASH", "rows": [{"figures": {}, "converged": true}]}'),
+    ("front", '{"study_hash": "HASH", "rows": [{"figures": null, "converged": true}]}'),
+    ("weights", '{"study_hash": "HASH", "rows": [{"name": 1}]}'),
+    ("weights", '{"study_hash": "HASH", "rows": [{"name": "a", "valve_switches": "many"}]}'),
+    ("weights", '{"study_hash": "HASH", "rows": [' + ",".join(['{"name": "a"}'] * 3000) + "]}"),
+]
+
+
+@pytest.mark.parametrize(("name", "text"), DAMAGED, ids=range(len(DAMAGED)))
+def test_what_is_damaged_or_of_another_shape_is_left_out_and_the_report_says_so(
+    folder, boom, name, text
+):
+    (folder / f"{name}.json").write_text(text.replace("HASH", boom.hash()))
+    found = leftovers(folder, boom)
+    assert {"comparison": found.compared, "front": found.front, "weights": found.weights}[
+        name
+    ] == ()
+    assert [one.split()[0] for one in found.left_out] == [f"{name}.json"]
+    results = Results(boom, None, None, boom.study.feedforward, leftovers=found)
+    for make in (comparison, front, weights, identification):
+        make(results)
+
+
+def without_variable(content):
+    with xr.open_dataset(io.BytesIO(content), engine="h5netcdf") as dataset:
+        stream = io.BytesIO()
+        dataset.load().drop_vars("quality").to_netcdf(stream, engine="h5netcdf")
+    return stream.getvalue()
+
+
+def huge(content):
+    stream = io.BytesIO(content)
+    with h5py.File(stream, "a") as file:
+        file.create_dataset("huge", (1_000_000, 1_000_000), "f8", chunks=(1000, 1000))
+    return stream.getvalue()
+
+
+@pytest.mark.parametrize(
+    "damage", [lambda c: c[: len(c) // 2], lambda _: b"no data", without_variable, huge]
+)
+def test_a_damaged_identification_is_left_out_and_the_report_says_so(folder, boom, damage):
+    path = folder / "identification.nc"
+    path.write_bytes(damage(path.read_bytes()))
+    found = leftovers(folder, boom)
+    assert found.panels == ()
+    assert [one.split()[0] for one in found.left_out] == ["identification.nc"]
+
+
+HOSTILE_PICTURES = [
+    b"<svg><script>alert(1)</script></svg>",
+    b'<svg onload="alert(1)"><g onclick="alert(1)"/></svg>',
+    b'<svg xmlns:x="http://www.w3.org/1999/xlink"><image x:href="/etc/hostname"/></svg>',
+    b'<svg><a href="javascript:alert(1)"><text>click</text></a></svg>',
+    b"<svg><foreignObject><iframe src='https://example.org'/></foreignObject></svg>",
+    b"<svg><style>body{display:none}@import url(https://example.org)</style></svg>",
+    b'<svg><rect style="position:fixed;width:100vw;fill:red"/></svg>',
+    b'<svg><rect fill="url(https://example.org/x)"/></svg>',
+    b'<svg><use href="https://example.org/x#y"/><animate attributeName="href"/></svg>',
+    b"<svg>" + b"<g>" * 5000 + b"</g>" * 5000 + b"</svg>",
+]
+
+
+@pytest.mark.parametrize("svg", HOSTILE_PICTURES, ids=range(len(HOSTILE_PICTURES)))
+def test_a_picture_is_copied_without_what_is_not_drawn(folder, boom, svg):
+    (folder / "front.svg").write_bytes(svg)
+    found = leftovers(folder, boom).figures.get("front", b"").lower()
+    for word in (
+        b"script",
+        b"onload",
+        b"onclick",
+        b"example.org",
+        b"hostname",
+        b"style>",
+        b"fixed",
+    ):
+        assert word not in found
+    assert b"iframe" not in found
+
+
+@pytest.mark.parametrize(
+    "svg",
+    [
+        b"",
+        b"<svg",
+        b"<html/>",
+        b'<!DOCTYPE svg [<!ENTITY a "b">]><svg>&a;</svg>',
+        b"\0" * 100,
+        b'<svg width="0" height="0"/>',
+    ],
+)
+def test_what_is_no_picture_is_left_out_and_the_report_says_so(folder, boom, svg):
+    (folder / "front.svg").write_bytes(svg)
+    found = leftovers(folder, boom)
+    assert "front" not in found.figures
+    assert [one.split()[0] for one in found.left_out] == ["front.svg"]
+
+
+def test_a_figure_of_ours_loses_nothing_that_is_drawn():
+    figure = new_figure(2)
+    figure.subplots().bar([1, 2], [3, 4], hatch="//", label="a")
+    before = ET.fromstring(to_svg(figure))  # noqa: S314 - our own
+    after = ET.fromstring(safe_picture(to_svg(figure)))  # noqa: S314 - our own
+    for name in ("path", "use", "g", "defs", "clipPath", "pattern", "rect"):
+        tag = f"{{http://www.w3.org/2000/svg}}{name}"
+        pairs = zip(before.iter(tag), after.iter(tag), strict=True)
+        for one, other in pairs:
+            assert set(one.attrib) == set(other.attrib)
+            assert one.get("d") == other.get("d")
+            assert one.get("style", "").count(":") == other.get("style", "").count(":")

@@ -72,6 +72,14 @@ def test_the_second_boom_is_what_it_was_when_it_was_written_out(root):
     assert now.study.model_dump(exclude=taken_along) == before.study.model_dump(exclude=taken_along)
 
 
+def test_a_byte_order_mark_is_no_part_of_a_study(write, base):
+    plain = load_study(base())
+    marked = "\ufeff" + base().read_text(encoding="utf-8").replace("\n", "\r\n")
+    assert load_study(write("base/study.toml", marked)).hash() == plain.hash()
+    over = write("crane/study.toml", '\ufeffbase = "../base/study.toml"\n')
+    assert load_study(over).hash() == plain.hash()
+
+
 def test_every_value_of_the_second_boom_has_a_source_and_none_is_left_to_chance(root):
     path = root / "studies" / "boom-2dof" / "study.toml"
     study = load_study(path).study
@@ -300,7 +308,7 @@ def test_a_value_that_the_study_mends_is_no_fault_of_its_base(child):
 
 def test_a_rule_over_sections_names_the_file_of_its_key(child, tmp_path):
     loop = ('kind = "tracking"', 'kind = "tracking"\ntracking_loop = "sampled"')
-    path = child('[uncertainty]\ndelay = ["1 ms", "2 ms"]\n', loop)
+    path = child('[uncertainty]\ndelay_as_it_runs = ["1 ms", "2 ms"]\n', loop)
     assert faults_of(path).where == str(tmp_path / "base" / "study.toml")
 
 

@@ -19,7 +19,7 @@ from mptune.params.template import write_template
         (["campaign.method=sobol", "campaign.failure_probability=0.1"], "no independent draws"),
         (["campaign.mass=[1, 2]"], "has no unit"),
         (['campaign.mass=["2 t", "1 t"]'], "reversed range"),
-        (['campaign.temperature=["20 degC", "60 degC"]'], "must be at most 400 K"),
+        (['campaign.temperature=["20 degC", "160 degC"]'], "must be at most 400 K"),
         (["campaign.chunk=0"], "must be at least 1"),
         (["campaign.doubt=0"], "must be greater than 0"),
         (["campaign.limits.final_error=1"], "has no unit"),

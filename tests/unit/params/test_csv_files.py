@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mptune.errors import InputError
+from mptune.headings import label_and_unit
 from mptune.identify.responses import read_response
 from mptune.identify.timeseries import Asked, read_record
 from mptune.params.load import load_study
@@ -37,6 +38,10 @@ FORMS = {
     "blank lines around": lambda rows: "\n \n" + joined(rows) + "\n   \n\n",
     "empty cells at the end": lambda rows: joined([*rows, ["", ""], [" ", " "]]),
     "spaces": lambda rows: joined([[f" {cell}  " for cell in row] for row in rows]),
+    "units in round brackets": lambda rows: joined(
+        [[cell.replace("[", "(").replace("]", ")") for cell in row] for row in rows]
+    ),
+    "capitals": lambda rows: joined([[cell[0].upper() + cell[1:] for cell in row] for row in rows]),
     "quotes": lambda rows: joined([[f'"{cell}"' for cell in row] for row in rows]),
 }
 
@@ -137,6 +142,40 @@ def test_a_row_of_empty_cells_that_others_follow_is_kept(tmp_path):
     np.testing.assert_array_equal(
         table_of(tmp_path, "a,b\n1,2\n,\n3,4\n,\n").columns, [[1, np.nan, 3], [2, np.nan, 4]]
     )
+
+
+@pytest.mark.parametrize(
+    ("heading", "label", "unit"),
+    [
+        ("F_ref [kN]", "F_ref", "kN"),
+        ("F[kN]", "F", "kN"),
+        ("Frequency (Hz)", "Frequency", "Hz"),
+        ("Time(s)", "Time", "s"),
+        ("omega (rad/s)", "omega", "rad/s"),
+        ("Gain (dB)", "Gain", "dB"),
+        ("inertia (-)", "inertia", "-"),
+        ("real [1]", "real", "1"),
+        ("u[1]", "u[1]", ""),
+        ("u(2,3)", "u(2,3)", ""),
+        ("u[1] [kN]", "u[1]", "kN"),
+        ("Force (filtered)", "Force (filtered)", ""),
+        ("Force (filtered) [kN]", "Force (filtered)", "kN"),
+        ("Force [filtered]", "Force", "filtered"),
+        ("position", "position", ""),
+        (" [m] ", "", "m"),
+    ],
+)
+def test_a_heading_is_a_name_and_a_unit(heading, label, unit):
+    assert label_and_unit(heading) == (label, unit)
+
+
+def test_an_index_behind_a_name_that_is_known_is_a_plain_unit(write_study, tmp_path):
+    path = tmp_path / "data.csv"
+    path.write_text("position[mm],force(kN),inertia[1]\n0,1,1.2\n300,2,0.8\n")
+    assert load_table(path, write_study) == ((0.0, 1e3, 1.2), (0.3, 2e3, 0.8))
+    rows = [["frequency[Hz]", "real[1]", "imaginary[1]"], *RESPONSE_ROWS[1:]]
+    path.write_text(joined([row[:3] for row in rows]))
+    assert len(measured(path, write_study)) == 5
 
 
 def test_a_comma_in_a_unit_is_no_separator_where_there_are_semicolons(tmp_path):

@@ -11,7 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from mptune.errors import InputError, OutputError
-from mptune.params.controller import Feedforward
+from mptune.params.controller import Feedforward, Gains
 from mptune.params.format import GAINS_FORMAT
 from mptune.params.gains import GainsFile, accepted_gains, now, read_gains, write_gains
 
@@ -79,13 +79,17 @@ def fault_of(path, text, study_hash=""):
     return fault
 
 
-positive = st.floats(min_value=1e-300, max_value=1e300)
+def within(section):
+    """Return numbers within the declared range of each quantity of a section."""
+    fields = [section.model_fields[name] for name, *_ in section.quantities()]
+    declared = [field.json_schema_extra for field in fields]
+    return st.tuples(*(st.floats(one["at_least"], one["at_most"]) for one in declared))
 
 
 LEADS = [name for name, *_ in Feedforward.quantities()]
 
 
-@given(st.tuples(*[positive] * 6), st.tuples(*[positive] * len(LEADS)), st.booleans())
+@given(within(Gains), within(Feedforward), st.booleans())
 def test_gains_come_back_to_the_last_bit(tmp_path_factory, numbers, leads, switch):
     names = ("k_p_vel", "k_p_pos", "k_i_pos", "omega", "xi", "tau")
     feedforward = dict(zip(LEADS, leads, strict=True)) | {"jerk": switch, "adaptive_mass": switch}
@@ -123,6 +127,13 @@ def test_every_gain_carries_unit_and_symbol_in_a_comment(written):
 
 def test_gains_of_the_same_study_are_read(written):
     assert read_gains(written[0], HASH) == gains_file(date=read_gains(written[0]).date)
+
+
+def test_a_byte_order_mark_is_no_part_of_a_file(written):
+    path, _ = written
+    plain = read_gains(path)
+    path.write_bytes(b"\xef\xbb\xbf" + path.read_bytes())
+    assert read_gains(path) == plain
 
 
 def test_gains_of_another_study_are_refused(written):

@@ -19,10 +19,10 @@ def test_values_are_read_with_their_units(load_boom):
 @pytest.mark.parametrize(
     ("override", "words"),
     [
-        ("identification.amplitude=0 kN", "greater than 0"),
+        ("identification.amplitude=0 kN", "at least 0.001 N"),
         ("identification.amplitude=5 kPa", "wrong dimension"),
         ('identification.frequency=["9 rad/s", "2 rad/s"]', "reversed"),
-        ('identification.frequency=["0 rad/s", "2 rad/s"]', "greater than 0"),
+        ('identification.frequency=["0 rad/s", "2 rad/s"]', "at least 0.001 rad/s"),
         ('identification.frequency=["1 Hz", "2 Hz"]', "radians or cycles"),
         ("identification.frequencies=1", "at least 2"),
         ("identification.positions=[]", "empty list"),

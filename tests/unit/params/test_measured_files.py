@@ -75,7 +75,7 @@ FAULTS = (
     (("frequency [Hz],re,im", OMEGA - 1, *REAL), "above 0"),
     (("frequency [Hz],re,im", OMEGA[:3], *(one[:3] for one in REAL)), "3 rows where 4"),
     (("frequency [Hz],re,im", OMEGA, RESPONSE.real * np.nan, RESPONSE.imag), "no response"),
-    (("frequency [Hz],re,im", OMEGA * np.inf, *REAL), "above 0"),
+    (("frequency [Hz],re,im", OMEGA * np.inf, *REAL), "beyond all bounds"),
     (("frequency [Hz],re,im,coherence", OMEGA, *REAL, 2 * COHERENCE), "within 0 and 1"),
 )
 

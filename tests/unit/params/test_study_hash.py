@@ -21,6 +21,7 @@ def test_the_hash_does_not_tell_a_litre_from_a_thousand_cubic_centimetres(study_
     "override",
     [
         "gains.xi=0.7",
+        "feedforward.acceleration_mass=20 t",
         "verification.repeats=3",
         'identification.valve_delays=["5 ms"]',
         "title=another",

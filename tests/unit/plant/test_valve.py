@@ -91,6 +91,7 @@ def test_only_changes_count_as_switches():
         command(valves, 3, wanted, 0.0)
     command(valves, 4, 1.0, 0.0)
     assert valves.counters[0] == 4
+    assert valves.counters[2:].tolist() == [0, 0, 0, 3, 1, *[0] * 19]
 
 
 def test_two_valves_of_a_supply_add_up_on_their_own_side():

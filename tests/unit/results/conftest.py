@@ -45,6 +45,9 @@ from mptune.campaign.simulate import FIGURES
 from mptune.identify.fit import model
 from mptune.identify.response import FrequencyResponse
 from mptune.job.gains import gains_file
+from mptune.params.judged_on import Difference
+from mptune.robust.headline import judge
+from mptune.verify.before_after import changes
 
 UNKNOWN = float("nan")
 NOTHING = Figures(UNKNOWN, 22.0, float("inf"), 16.0)  # of a loop that runs away
@@ -175,5 +178,20 @@ def results(fig_5, unstable, load_boom):
         "response": response,
         "fit": fit_response(response, 0.57),
         "weights": weights_of(study),
-        "job": JobResult(study, fig_5, tuned, (lost,), moves, verified, links, (row,) * 5),
+        "judgement": judge(fig_5.checks, links),
+        "change": changes(verified, verified)[0],
+        "difference": Difference("oil.bulk_modulus", "1.4e9", "—"),
+        "job": JobResult(
+            study,
+            fig_5,
+            tuned,
+            (lost,),
+            moves,
+            verified,
+            verified,
+            links,
+            judge(fig_5.checks, links),
+            changes(verified, verified),
+            (row,) * 5,
+        ),
     }

@@ -10,7 +10,7 @@ from mptune.strict import strict
 NAMES = (
     "sweep", "unstable", "condition", "family", "sampled", "check", "link", "tuned", "baseline",
     "front", "front point", "design", "shaped", "move", "case", "verified", "campaign", "panel",
-    "identified", "fit", "weights", "job",
+    "identified", "fit", "weights", "job", "judgement", "change", "difference",
 )  # fmt: skip
 
 
@@ -26,7 +26,7 @@ def test_what_is_not_finite_is_none(results):
     assert tuned["objective"]["after"]["tracking_index_s"] is None
     assert tuned["objective"]["after"]["load_step_m_per_n"] is None
     assert tuned["blocking"]["least_found"] is None
-    assert results["move"].json()["performance_index_ms"] is None
+    assert results["move"].json()["linear_check_index_ms"] is None
     quantiles = results["campaign"].json()["figures"]["valve_switches"]["quantiles"]
     assert set(quantiles.values()) == {None}
     margins = results["unstable"].json()["true_family"]["none"]["force_loop"]
@@ -41,6 +41,7 @@ def test_requirements_keep_their_labels_as_names_and_have_keys_beside_them(resul
         "velocity_ratio",
         "position_ratio",
         "unstable_plants",
+        "noise_gain",
     ]
     assert said[0]["name"] == "velocity_ratio (Eq. 17)"
 

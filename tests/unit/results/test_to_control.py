@@ -184,7 +184,11 @@ def test_a_family_is_found_by_its_path(fig_5):
 
 
 def test_a_sampled_family_that_cannot_be_says_why(load_boom):
-    study = load_boom('uncertainty.delay=["2 ms", "4 ms"]', corners=True)
+    study = load_boom(
+        'uncertainty.delay_as_it_runs=["2 ms", "4 ms"]',
+        "objective.tracking_loop=continuous",
+        corners=True,
+    )
     result = mptune.sweep(study)
     assert isinstance(result, SweepResult)
     with pytest.raises(mptune.InputError, match=r"0\.002 s, is below 0\.005 s; raise uncertainty"):

@@ -13,7 +13,7 @@ pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 
 @pytest.fixture(scope="module")
 def swept(load_boom):
-    return sweep(load_boom(corners=True))
+    return sweep(load_boom(corners=True, twice=True))
 
 
 @pytest.fixture(scope="module")

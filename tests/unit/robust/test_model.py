@@ -76,8 +76,11 @@ def test_the_inequalities_have_the_path_that_the_study_names(load_boom, name):
 
 @pytest.mark.parametrize(("shortest", "runs"), [("4.99 ms", False), ("5 ms", True)])
 def test_a_loop_runs_where_every_delay_leaves_room_for_the_hold(load_boom, shortest, runs):
-    override = f'uncertainty.delay=["{shortest}", "14 ms"]'
-    assert LinearModel.of(load_boom(override, corners=True)).runs == runs
+    override = f'uncertainty.delay_as_it_runs=["{shortest}", "14 ms"]'
+    assert (
+        LinearModel.of(load_boom(override, "objective.tracking_loop=continuous", corners=True)).runs
+        == runs
+    )
 
 
 # Corners ----------------------------------------------------------------------------------------
@@ -93,6 +96,7 @@ def test_corners_are_light_and_heavy_with_all_lags_small_or_all_large(model):
 
 def test_ranges_without_width_leave_fewer_corners(load_boom):
     ranges = {"mass": "30 t", "delay": "12 ms", "tau_a": "5 ms", "tau_b": "6 ms"}
+    ranges["delay_as_it_runs"] = "12 ms"
     fixed = [f'uncertainty.{key}=["{value}", "{value}"]' for key, value in ranges.items()]
     assert len(LinearModel.of(load_boom(fixed[0], corners=True)).corners()) == 2
     assert LinearModel.of(load_boom(*fixed, corners=True)).corners().tolist() == [0]
@@ -130,7 +134,7 @@ def test_as_it_runs_the_path_is_there_whatever_the_inequalities_leave_out(model)
     assert model.path == NO_PATH
     assert (loops.path, loops.which) == (model.filters, FORCE)
     assert loops.plants is one
-    assert model.as_it_runs(model.gains).plants is model.plants
+    assert model.as_it_runs(model.gains).plants is model.explicit
 
 
 def test_the_nominal_loop_is_eq_14_and_eq_22(model):

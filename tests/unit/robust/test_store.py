@@ -20,8 +20,8 @@ def test_stored_sweep_names_the_worst_plant_again(fig_5, tmp_path):
         assert stored.attrs["study_hash"] == fig_5.study.hash()
 
 
-def test_unstable_plants_have_no_margins(fig_5, tmp_path):
-    path = write_sweep(tmp_path / "sweep.nc", fig_5)
+def test_unstable_plants_have_no_margins(fig_5_twice, tmp_path):
+    path = write_sweep(tmp_path / "sweep.nc", fig_5_twice)
     with xr.open_dataset(path, engine="h5netcdf") as stored:
         unstable = stored["stable"].sel(path="filters") == 0
         assert int(unstable.sum()) > 0

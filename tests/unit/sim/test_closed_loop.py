@@ -7,7 +7,7 @@ from mptune.errors import InputError
 from mptune.params.load import load_study
 from mptune.sim.sampled import linear_moves
 from mptune.verify.result import CaseStatus
-from mptune.verify.verify import verify
+from mptune.verify.verify import check_delay, verify
 
 MASSES = {"24.5 t": (12.5, 18), "49 t": (20, 26)}  # ms, inside the ranges of §7.2
 
@@ -151,6 +151,17 @@ def test_the_integrator_bears_the_load_from_the_start(run):
 def test_a_valve_delay_not_below_the_sampling_period_is_refused(run, delay):
     with pytest.raises(InputError, match=r"verification\.valve_delays\[1\]"):
         run(f"verification.valve_delays=[{delay}]")
+
+
+def test_the_steady_state_decision_may_be_slower_than_its_valves(load_boom):
+    """It looks at no instant, so that Table 2's rule is the dynamic decision's alone."""
+    slow = 'verification.valve_delays=[["10 ms", "14 ms"]]'
+    steady = load_boom('controller.force_model="steady-state"', slow)
+    check_delay(steady, "verification.valve_delays[1]", 14e-3)
+    with pytest.raises(InputError, match=r"not below controller\.sampling_period"):
+        load_boom(slow)
+    with pytest.raises(InputError, match="not below the sampling period"):
+        check_delay(load_boom(), "verification.valve_delays[1]", 14e-3)
 
 
 def test_moves_that_do_not_return_cannot_be_repeated(study_file, write_study):

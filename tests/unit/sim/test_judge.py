@@ -5,7 +5,7 @@ import pytest
 
 from mptune.params.pack import pack_machine
 from mptune.sim import closed_loop as loop
-from mptune.sim.judge import longest_oscillation, set_figures, worst_per_mass
+from mptune.sim.judge import longest_oscillation, per_year, set_figures, worst_per_mass
 from mptune.sim.machine_record import broken_limits, record_of
 from mptune.sim.moves import Moves
 from mptune.sim.record import Energies, RunRecord
@@ -32,6 +32,13 @@ def trace(machine):
     force = 6e6 * machine.area_a - 5e6 * machine.area_b
     rows[:, loop.F_REF] = force + 2000.0
     return rows
+
+
+def test_the_busiest_valve_is_counted_per_second_and_per_year(trace, machine):
+    record = record_of(trace, MOVES, np.zeros(8), 12, machine, TICK, (-5e4, 9e4), busiest=7)
+    assert set_figures(record).busiest_valve_per_s == pytest.approx(3.5)  # in two seconds
+    assert np.isnan(figures(trace, machine).busiest_valve_per_s)  # not counted
+    assert per_year(3.5, 0.2) == pytest.approx(3.5 * 0.2 * 31_557_600)
 
 
 def figures(trace, machine, energy=None, limits=(-5e4, 9e4)):

@@ -171,7 +171,7 @@ def test_what_makes_no_sense_is_refused_at_once(load_boom, override, words):
 
 
 def test_the_sampled_loop_needs_half_a_sampling_period_of_delay(load_boom):
-    asked = ('objective.tracking_loop="sampled"', 'uncertainty.delay=["4 ms", "14 ms"]')
+    asked = ('objective.tracking_loop="sampled"', 'uncertainty.delay_as_it_runs=["4 ms", "14 ms"]')
     with pytest.raises(InputError, match="half a sampling period"):
         load_boom(*asked, corners=True)
-    assert load_boom(asked[0], 'uncertainty.delay=["5 ms", "14 ms"]', corners=True)
+    assert load_boom(asked[0], 'uncertainty.delay_as_it_runs=["5 ms", "14 ms"]', corners=True)

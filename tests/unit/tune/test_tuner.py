@@ -342,7 +342,7 @@ def test_a_bound_above_every_admissible_velocity_gain_blocks(load_boom):
 
 
 def test_a_sampled_loop_that_cannot_be_asked_is_not_taken_as_met(load_boom):
-    asked = ("requirements.gain_margin=1.5", 'uncertainty.delay=["3 ms", "14 ms"]')
+    asked = ("requirements.gain_margin=1.5", 'uncertainty.delay_as_it_runs=["3 ms", "14 ms"]')
     found = tune(load_boom(*asked, corners=True))
     assert not found.sweep.satisfied
     assert found.blocking.requirement == "gain_margin"

@@ -5,6 +5,7 @@ import pytest
 
 from mptune.campaign.workers import Workers
 from mptune.errors import InputError
+from mptune.params.controller import Controller
 from mptune.weigh.procedure import STEPS, by_the_papers_order
 from mptune.weigh.search import open_search
 from mptune.weigh.trial import (
@@ -66,7 +67,7 @@ class Modelled:
 
     def tried(self, weights):
         self.tried_weights.append(weights)
-        figures = np.ones((2, 11))
+        figures = np.ones((2, 12))
         columns = dict(zip(OBJECTIVES, (0, 0, 0, 0), strict=True))
         columns["performance_index_ms"] = 15 * (1 + weights.weight_loss / 1000)
         columns["force_error_integral_kn2s"] = 40 * (1 + weights.weight_switching / 1000)
@@ -175,3 +176,39 @@ def test_sampling_period_and_tolerances_are_searched_where_asked(boom, tmp_path)
     starts = [trial.weights.position_tolerance_start for trial in tried]
     assert len(set(stops)) > 3
     assert starts == pytest.approx([1.4 * stop for stop in stops])
+
+
+NEW_TERMS = ("error_width", "candidates", "weight_common_mode", "weight_compression")
+
+
+@pytest.mark.parametrize(
+    ("options", "also", "searched"),
+    [
+        ((), (), set()),
+        (('controller.error="huber"', "controller.horizon=2"), (), {"error_width", "candidates"}),
+        ((), ("common_mode",), {"weight_common_mode"}),
+        (('controller.weight_common_mode="100 N/MPa"',), (), {"weight_common_mode"}),
+        (('controller.force_model="steady-state"',), (), {"weight_compression"}),
+    ],
+)
+def test_terms_that_the_decision_has_are_searched_and_no_others(
+    load_boom, tmp_path, options, also, searched
+):
+    study = load_boom(*options)
+
+    class Model(Bench):
+        def tried(self, weights):
+            return Modelled(study).tried(weights)
+
+    own, storage = own_weights(study), f"sqlite:///{tmp_path / 'one.db'}"
+    search = open_search(Model(study, TEAM), storage, also=also)
+    tried = search.run(8, (own,), Limits(0.075, 0.0, 20e6))
+    for name in NEW_TERMS:
+        values = {getattr(trial.weights, name) for trial in tried}
+        assert (len(values) > 3) == (name in searched)
+        if name not in searched:
+            assert values == {getattr(own, name)}
+    for trial in tried:
+        changed = with_weights(study, trial.weights).study.controller
+        Controller.model_validate(changed.model_dump(), context={"si": True})
+        assert isinstance(changed.candidates, int)

@@ -1,0 +1,174 @@
+"""A study checked as a whole: values that are right one by one, and do not fit one another.
+
+Refused is only what cannot be simulated. All else that hardly can be meant is a ``Doubt``, which
+the loaded study carries; a study may differ on purpose, as Fig. 5's delays do from §5.1's sum.
+"""
+
+from __future__ import annotations
+
+from typing import TYPE_CHECKING
+
+from mptune.errors import Fault
+from mptune.params.demand import force_demand, slowest_valves, supply_demand
+from mptune.params.doubts import Doubt
+from mptune.units import shown
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator
+
+    from mptune.params.section import Range
+    from mptune.params.study import ResolvedStudy, Study
+
+_SAME = 1e-9  # relative: nearer values are the same
+_DELAYS = ("delay", "delay_as_it_runs")
+
+
+def refusals_of(study: Study, written: frozenset[str]) -> list[Fault]:
+    """Return what of a study cannot be simulated, each fault with both keys and numbers.
+
+    Parameters
+    ----------
+    study
+        The study, its ``[verification]`` filled up.
+    written
+        The keys of ``[verification]`` that a file or the command line has written; the others
+        stand for those that they are taken from.
+    """
+    return [*_slow_valves(study, written), *_heavy_loads(study, written)]
+
+
+def doubts_of(resolved: ResolvedStudy) -> tuple[Doubt, ...]:
+    """Return what of a study may be meant otherwise, see ``Doubt``."""
+    study = resolved.study
+    return (
+        *_delays(resolved),
+        *_inertia(resolved),
+        *_tried_elsewhere(resolved),
+        *slowest_valves(study),
+        *force_demand(study),
+        *supply_demand(study),
+    )
+
+
+def _slow_valves(study: Study, written: frozenset[str]) -> Iterator[Fault]:
+    if study.controller.force_model == "steady-state":
+        return  # it looks at no instant within T_S, and may wait for slow valves
+    period = study.controller.sampling_period
+    for number, (_, longest) in enumerate(study.verification.delay_ranges()):
+        if longest < period:
+            continue
+        own = "valve_delays" in written
+        key = f"verification.valve_delays[{number + 1}]" if own else "valves.delay"
+        yield Fault(
+            key,
+            shown(longest, "s"),
+            f"is not below controller.sampling_period = {shown(period, 's')}, which Table 2 asks "
+            "to be longer than the valve delay",
+            "lengthen the sampling period or take faster valves",
+        )
+
+
+def _heavy_loads(study: Study, written: frozenset[str]) -> Iterator[Fault]:
+    """Refuse loads beyond the force reference's limits: nothing could hold the piston."""
+    controller, cylinder = study.controller, study.cylinder
+    low, high = controller.pressure_min, controller.pressure_max
+    least = cylinder.area_a * low - cylinder.area_b * high
+    largest = cylinder.area_a * high - cylinder.area_b * low
+    for number, force in enumerate(study.verification.load_forces):
+        worst = max(study.loads_at(force), key=lambda load: max(load - largest, least - load))
+        if least <= worst <= largest:
+            continue
+        own = "load_forces" in written
+        yield Fault(
+            f"verification.load_forces[{number + 1}]" if own else "load.force",
+            shown(force, "N"),
+            f"makes a load of {shown(worst, 'N')}, beyond the {shown(least, 'N')} to "
+            f"{shown(largest, 'N')} that controller.pressure_min = {shown(low, 'Pa')} and "
+            f"controller.pressure_max = {shown(high, 'Pa')} give",
+            "take a larger piston, higher pressures or less load",
+        )
+
+
+def _delays(resolved: ResolvedStudy) -> Iterator[Doubt]:
+    study, box = resolved.study, resolved.uncertainty
+    given = [box.lumped_delay, box.explicit_delay]
+    if given[0] == given[1]:
+        del given[1]
+    parts = {
+        "controller.sampling_period": shown(study.controller.sampling_period, "s"),
+        "valves.delay": shown(study.valves.delay, "s", ranged=True),
+        "valves.computation_delay": shown(study.valves.computation_delay, "s", ranged=True),
+    }
+    for name, pair in zip(_DELAYS, given, strict=False):
+        if _same(pair, study.summed_delay):
+            continue
+        yield Doubt(
+            (resolved.key_of(name), *parts),
+            (shown(pair, "s", ranged=True), *parts.values()),
+            "the sum of T_S/2, valve and computation is "
+            f"{shown(study.summed_delay, 's', ranged=True)}",
+            f'write {name} = "derived", or leave it where more is counted in it',
+        )
+
+
+def _inertia(resolved: ResolvedStudy) -> Iterator[Doubt]:
+    """Hold the machine's inertia, the table's factor included, against the family's."""
+    factors = resolved.study.inertia_factors()
+    masses, box = resolved.study.verification.masses, resolved.uncertainty.mass
+    machine = (min(masses) * min(factors), max(masses) * max(factors))
+    if not resolved.study.load.table or _inside(machine, box):
+        return
+    yield Doubt(
+        ("load.table", resolved.key_of("mass")),
+        (f"inertia × {min(factors):.3g}–{max(factors):.3g}", shown(box, "kg", ranged=True)),
+        f"the machine has {shown(machine, 'kg', ranged=True)} where its moves take it, of which "
+        "the family of plants holds a part only",
+        "widen the range of mass, or let the table's factors be about 1",
+    )
+
+
+def _tried_elsewhere(resolved: ResolvedStudy) -> Iterator[Doubt]:
+    """Hold the machines of ``[verification]`` against the ranges that the gains are made for."""
+    study, asked = resolved.study, resolved.study.verification
+    delays = asked.delay_ranges()
+    tried: tuple[tuple[str, Range, str, Range, str], ...] = (
+        ("masses", _ends(asked.masses), resolved.key_of("mass"), resolved.uncertainty.mass, "kg"),
+        (
+            "valve_delays",
+            (min(low for low, _ in delays), max(high for _, high in delays)),
+            "valves.delay",
+            study.valves.delay,
+            "s",
+        ),
+        ("oil_bulk_moduli", _ends(asked.oil_bulk_moduli), "oil.bulk_modulus",
+         study.oil.bulk_modulus, "Pa"),
+        ("load_forces", _ends(asked.load_forces), "load.force",
+         (study.load.force, study.load.force), "N"),
+    )  # fmt: skip
+    for name, found, key, wanted, unit in tried:
+        if name == "load_forces" and found[0] <= wanted[0] <= found[1]:
+            continue
+        if _same(found, wanted):
+            continue
+        texts = [
+            shown(pair[0], unit) if pair[0] == pair[1] else shown(pair, unit, ranged=True)
+            for pair in (found, wanted)
+        ]
+        yield Doubt(
+            (f"verification.{name}", key),
+            (texts[0], texts[1]),
+            "the gains are tried on other machines than they are made for",
+            f"leave verification.{name} out, and it follows {key}",
+        )
+
+
+def _ends(values: tuple[float, ...]) -> Range:
+    return min(values), max(values)
+
+
+def _same(one: Range, other: Range) -> bool:
+    return all(abs(a - b) <= _SAME * max(abs(a), abs(b)) for a, b in zip(one, other, strict=True))
+
+
+def _inside(one: Range, other: Range) -> bool:
+    return one[0] >= other[0] * (1 - _SAME) and one[1] <= other[1] * (1 + _SAME)

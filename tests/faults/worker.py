@@ -1,0 +1,98 @@
+"""Runs one study after another in a process of its own, so that one that hangs can be ended."""
+
+from __future__ import annotations
+
+import contextlib
+import multiprocessing as mp
+import resource
+import time
+import warnings
+from typing import NamedTuple
+
+_THERE_AND_BACK = (
+    'manoeuvre=[{distance="35 mm", duration="0.6 s", rest="0.3 s"},'
+    ' {distance="-35 mm", duration="0.6 s", rest="0.3 s"}]'
+)
+BRIEF = (
+    "uncertainty.points=2",
+    "verification.repeats=1",
+    "verification.seeds=[1]",
+    'verification.masses=["24500 kg"]',
+    'verification.oil_bulk_moduli=["1200 MPa"]',
+    _THERE_AND_BACK,
+)
+_PATIENCE = 5  # s by the clock for one of the processor, after which a study hangs
+_FEW = 100_000  # ticks: the nonlinear machine runs as well
+
+
+class Outcome(NamedTuple):
+    """What became of a study."""
+
+    extreme: tuple
+    words: str  # "done", "refused", or what went wrong
+    seconds: float  # of the processor, all threads: others may share the machine
+    megabytes: float  # that the process grew by
+
+
+def run(study):
+    """Sweep a study, check it in time, and draw what a report draws of it."""
+    from mptune.figures.moves import move_traces
+    from mptune.figures.panels import four_panels
+    from mptune.figures.sensitivity import load_response, sensitivity_functions
+    from mptune.figures.style import to_svg
+    from mptune.robust.chain import chain
+    from mptune.robust.sweep import sweep
+    from mptune.sim.sampled import linear_moves
+    from mptune.verify.verify import verify
+
+    swept = sweep(study)
+    chain(swept)
+    moves = linear_moves(study)
+    figures = (four_panels(swept), sensitivity_functions(swept), load_response(swept))
+    for figure in (*figures, move_traces(moves)):
+        to_svg(figure)
+    said = study.study
+    ticks = sum(move.duration + move.rest for move in said.manoeuvre)
+    if ticks / said.controller.fast_sampling_period < _FEW:
+        verify(study)
+
+
+def _work(pipe, path, extremes):
+    from mptune.errors import InputError
+    from mptune.params.load import load_study
+
+    warnings.simplefilter("error", RuntimeWarning)
+    run(load_study(path, BRIEF))  # compiles and imports what the others use
+    pipe.send(None)
+    for extreme in extremes:
+        before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
+        begun = time.process_time()
+        try:
+            run(load_study(path, (*BRIEF, *extreme.overrides)))
+            words = "done"
+        except InputError:
+            words = "refused"
+        except Exception as error:  # noqa: BLE001 - whatever it is, it is told
+            words = f"{type(error).__name__}: {str(error)[:80]}"
+        grown = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss - before
+        pipe.send((words, time.process_time() - begun, grown / 1024))
+
+
+def outcomes(path, extremes, longest=20.0):
+    """Yield what becomes of each study; one that takes far longer [s] is ended with its process."""
+    todo = list(extremes)
+    while todo:
+        ours, theirs = mp.Pipe()
+        process = mp.get_context("spawn").Process(target=_work, args=(theirs, path, todo))
+        process.start()
+        theirs.close()
+        ours.recv()
+        with contextlib.suppress(EOFError):
+            while todo and ours.poll(_PATIENCE * longest):
+                yield Outcome(todo[0], *ours.recv())
+                todo.pop(0)
+        if todo:
+            words = "hangs" if process.is_alive() else "dies"
+            yield Outcome(todo.pop(0), words, longest, 0.0)
+            process.kill()
+        process.join()
