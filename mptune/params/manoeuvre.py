@@ -114,6 +114,8 @@ class Manoeuvre(Section):
             return math.pi * self.cycles * length / time
         if self.kind == "file":
             return max(map(abs, self._speeds()))
+        if self.kind == "velocity":
+            return abs(self.speed)
         return length / (time * (1 - self.ramp_share))
 
     @property
@@ -129,6 +131,8 @@ class Manoeuvre(Section):
             gaps = [(last - first) / 2 for first, last in zip(times, times[2:], strict=False)]
             changes = [abs(b - a) for a, b in pairwise(speeds)]
             return max((a / gap for a, gap in zip(changes, gaps, strict=True)), default=0.0)
+        if self.kind == "velocity":
+            return speed / self.ramp
         factor = 2 if self.kind == "s-curve" else 1
         return factor * speed / (self.ramp_share * time)
 
@@ -140,21 +144,21 @@ class Manoeuvre(Section):
         if self.kind == "file":
             places = [place for _, place in self.samples]
             return sum(abs(b - a) for a, b in pairwise(places))
-        return abs(self.distance)
+        return abs(self.net_distance)
 
     @property
     def extends(self) -> bool:
         """Whether the piston is to move out somewhere."""
         if self.kind == "file":
             return max(self._speeds()) > 0
-        return self.distance > 0 or (self.kind == "sine" and self.distance != 0)
+        return self.net_distance > 0 or (self.kind == "sine" and self.distance != 0)
 
     @property
     def retracts(self) -> bool:
         """Whether the piston is to move in somewhere."""
         if self.kind == "file":
             return min(self._speeds()) < 0
-        return self.distance < 0 or (self.kind == "sine" and self.distance != 0)
+        return self.net_distance < 0 or (self.kind == "sine" and self.distance != 0)
 
     def _speeds(self) -> list[float]:
         return [(b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(self.samples)]
