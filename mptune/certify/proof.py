@@ -131,8 +131,9 @@ class Proof:
     def _search(self, part: _Part, sought: float, budget: int) -> int:
         """Search one part for the figure above ``sought``; for zeros of 1 + L where that is 0."""
         num, den = (1.0, sought * sought) if sought > 0 else (part.left_out**2, 1.0)
-        weight = part.weight if self.form.figure == COMPLIANCE else 0.0
-        rest = Rest(*part.by_lags, offset_of(self.form), float(sought), weight)
+        form = self.form
+        time = form.nominal.mass / form.gains.k_p_vel if form.figure == COMPLIANCE else 0.0
+        rest = Rest(*part.by_lags, offset_of(form), float(sought), time)
         if part.left == 0:
             return PROVED
         found = search(

@@ -62,7 +62,7 @@ class Rest(NamedTuple):
     rate: float  # s; 0 where nothing depends on the box
     offset: float  # c, of ``mptune.certify.sampled``
     sought: float  # the bound that is to be proved; 0 where only zeros of d are asked for
-    weight: float  # the least μ/|P|² of a compliance; 0 of other figures
+    time: float  # m_N/K_P,vel of a compliance, whose weight is μ/|P|² [s]; 0 of other figures
 
 
 NO_REST = Rest(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -124,7 +124,7 @@ def search(
         plant = plant_over(row, shifts, form.share_a, centre, half)
         top, bottom = num, den
         if rest.rate > 0:
-            top, bottom = _weights(rest, form.share_a, low)
+            top, bottom = _weights(rest, form.share_a, low, high)
         f = enclose(plant, row, terms, top, bottom, centre, half, slopes, spreads, power)
         weight = (centre[RATIO] + half[RATIO]) ** power
         if _highest(f, slopes, spreads, half) < 0 or _clear(
@@ -135,7 +135,7 @@ def search(
             continue
         if f.value > f.error and (rest.rate == 0 or _above(form, curve, num, den, centre)):
             return Found(ABOVE, boxes, count)
-        if _collapse(low, high, slopes, spreads):
+        if _collapse(low, high, slopes, spreads, rest):
             slots[last] = -1
             continue
         side = _widest(centre, half, slopes, spreads)
@@ -149,12 +149,12 @@ def search(
 
 
 @kernel
-def _weights(rest: Rest, share_a: float, low: FloatArray) -> tuple[float, float]:
+def _weights(rest: Rest, share_a: float, low: FloatArray, high: FloatArray) -> tuple[float, float]:
     """Return the weights of n and d with what the loop leaves out over a box counted in.
 
     With δ left out, X = x S + y T is below γ if |X_t| + δ(|y| + γ)|S_t| ≤ γ for the truncated loop,
     and |S_t| ≤ |y| + |X_t| in all three mixtures. A compliance is below γ if that of the truncated
-    loop is below γ/(1 + δγ/w), w being its least weight (``mptune.certify.sampled``).
+    loop is below γ/(1 + δγ/w), w being the least weight of the box (``mptune.certify.sampled``).
     """
     shortest = min(low[TAU_A], low[TAU_B])
     if shortest <= 0:
@@ -163,8 +163,10 @@ def _weights(rest: Rest, share_a: float, low: FloatArray) -> tuple[float, float]
     left = rest.fixed + min(rest.near, fall * rest.near_rate) + fall * rest.rate
     if rest.sought == 0:
         return left * left * _CARE, 1.0
-    if rest.weight > 0:
-        sought = rest.sought / (1 + _FOLDED_CARE * left * rest.sought / rest.weight)
+    if rest.time > 0:
+        turn = high[OMEGA] * rest.time  # |P|
+        weight = low[RATIO] / (turn * turn)
+        sought = rest.sought / (1 + _FOLDED_CARE * left * rest.sought / weight)
         return 1.0, sought * sought
     reach = _FOLDED_CARE * left * (rest.offset + rest.sought)
     sought = (rest.sought - reach * rest.offset) / (1 + reach)
@@ -225,17 +227,32 @@ def _highest(f: Enclosed, slopes: FloatArray, spreads: FloatArray, half: FloatAr
 
 
 @kernel
-def _collapse(low: FloatArray, high: FloatArray, slopes: FloatArray, spreads: FloatArray) -> bool:
-    """Reduce a box to the faces that hold its largest F; return whether any was found."""
+def _collapse(
+    low: FloatArray, high: FloatArray, slopes: FloatArray, spreads: FloatArray, rest: Rest
+) -> bool:
+    """Reduce a box to the faces that hold its largest F; return whether any was found.
+
+    A face on which less is asked than of the box, as less is left out there, proves nothing of it.
+    """
     found = False
     for i in range(SIDES):
-        if low[i] < high[i] and abs(slopes[i]) > spreads[i]:
+        if low[i] < high[i] and abs(slopes[i]) > spreads[i] and not _eased(i, slopes[i], rest):
             found = True
             if slopes[i] > 0:
                 low[i] = high[i]
             else:
                 high[i] = low[i]
     return found
+
+
+@kernel
+def _eased(side: int, slope: float, rest: Rest) -> bool:
+    """Return whether less is asked on the face to which a slope points."""
+    if rest.rate == 0:
+        return False
+    if side in (TAU_A, TAU_B) or (side == RATIO and rest.time > 0):
+        return slope > 0
+    return side == OMEGA and rest.time > 0 and slope < 0
 
 
 @kernel
