@@ -73,12 +73,8 @@ def _heard(
     if path.estimator_mass == 0:
         place = filter_response(s, path.sample_time, path.filter_pole)
         return place, place * s * differentiator_over_s(s, path.sample_time)  # Eq. 23
-    known = [heard(one, path) for one in s]
-    if of_force:
-        pairs = [(one.place_of_force, one.speed_of_force) for one in known]
-    else:
-        pairs = [(one.place_of_place, one.speed_of_place) for one in known]
-    place, speed = np.array(pairs, np.complex128).T
+    known = np.array([heard(one, path) for one in s], np.complex128).T  # in the order of Heard
+    place, speed = known[2:] if of_force else known[:2]
     return place, speed
 
 
