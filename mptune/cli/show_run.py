@@ -4,11 +4,11 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.cli.terminal import files, opening, say, show
+from mptune.cli.terminal import files, say, show
 from mptune.params.headline import Headline
-from mptune.report.blocks import Tabular
+from mptune.report.blocks import Tabular, verdict
 from mptune.report.content.closed_loop import machines, movement_sets
-from mptune.report.content.front import NOT_RUN, front_page, tuning, warnings
+from mptune.report.content.front import NOT_RUN, doubts, front_page, tuning
 from mptune.report.content.loops import factors_text, gain_factors
 from mptune.verify.before_after import in_a_sentence
 
@@ -23,10 +23,16 @@ def summary(result: JobResult) -> None:
     page, tuned = front_page(found_by(result)), result.tuned
     first, *gained = tuning(tuned)
     run = in_a_sentence(result.changes) if result.verified else NOT_RUN
-    texts = [first, " ".join(gained), factors_text(result.chain), run]
+    say(verdict(first, good=tuned.blocking is None), " ".join(gained))
     judged = result.judgement  # the verdict's own line names the unstable plant
     said = judged.word is Headline.ON_PAPER and judged.witness is not None
-    opening(texts, () if said else warnings(tuned.sweep), good=tuned.blocking is None)
+    on_stderr = doubts(result.study)
+    mind = [] if said else [one for one in page.warnings if one not in on_stderr]
+    for text in (factors_text(result.chain), run):
+        say(text)
+    for text in mind:
+        say(verdict(text, good=False))
+    say("")
     tables = [block for block in page.blocks if isinstance(block, Tabular)]
     if judged.met:  # the first line says that every requirement is
         tables = [table for table in tables if table.title != "Requirements"]

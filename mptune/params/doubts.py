@@ -32,6 +32,11 @@ class Doubt:
         subject = ", ".join(f"`{key}` = {value}" for key, value in pairs)
         return f"{subject}: {self.rule}; {self.remedy}"
 
+    @property
+    def brief(self) -> str:
+        """The doubt without its remedy, the first of its values alone."""
+        return f"{self.keys[0]} = {self.values[0]}: {self.rule}"
+
     def json(self) -> dict[str, object]:
         """Return the doubt with its values by key."""
         values = dict(zip(self.keys, self.values, strict=True))

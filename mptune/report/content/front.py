@@ -58,12 +58,18 @@ def front_page(results: Results) -> FrontPage:
         status=[f"{judged.because[:1].upper()}{judged.because[1:]}.", *_status(results)],
         warnings=[
             *warnings(swept),
-            *map(str, study.doubts),
+            *doubts(study),
             *standing(study),
             *results.leftovers.left_out,
         ],
         blocks=[block for table in tables for block in table.titled()],
     )
+
+
+def doubts(study: ResolvedStudy) -> list[str]:
+    """Return what may be meant otherwise in a study, in one text; none where nothing may."""
+    briefs = [f"{one.brief}." for one in study.doubts]
+    return [" ".join(briefs)] if briefs else []
 
 
 def verdict_line(judgement: Judgement) -> str:
