@@ -35,7 +35,7 @@ def test_each_choice_reaches_the_kernels_in_si(load_boom):
     ("override", "message"),
     [
         ('controller.error="square"', "controller.error"),
-        ('controller.error_width="0 N"', "greater than 0"),
+        ('controller.error_width="0 N"', "at least 0.001 N"),
         ("controller.horizon=3", "controller.horizon"),
         ("controller.candidates=0", "at least 1"),
         ("controller.candidates=785", "at most 784"),
