@@ -15,16 +15,19 @@ from mptune.force.cost import force_limits, side_costs, supply_pressures
 from mptune.force.estimator import SIDE_A, SIDE_B
 from mptune.force.search_space import search_space
 from mptune.params.pack import (
+    pack_estimator,
     pack_feedforward,
     pack_force,
     pack_gains,
     pack_machine,
+    pack_sensors,
     pack_signals,
     pack_table,
 )
 from mptune.plant.supplies import accumulator_pressure
+from mptune.signals.adaptive_mass import fed_mass
 from mptune.signals.differentiator import differentiated
-from mptune.signals.outer_loop import lag_references, outer_law
+from mptune.signals.outer_loop import acceleration_ahead, lag_references, outer_law
 from mptune.signals.trajectory import reference
 from mptune.sim import closed_loop as loop
 from mptune.sim.integrator import integrate, new_work
@@ -71,7 +74,7 @@ class Recording(NamedTuple):
     load: float
     inputs: np.ndarray  # (T, 12) in the order of mptune_inputs
     decisions: np.ndarray  # (T, 25) see the names above
-    trace: np.ndarray  # (T, 15)
+    trace: np.ndarray  # (T, 16)
 
 
 def rig_of(study, case, gains=None, feedforward=None):
@@ -79,10 +82,12 @@ def rig_of(study, case, gains=None, feedforward=None):
     machine = pack_machine(study, case.mass, case.oil_bulk_modulus, case.load_force)
     packed = pack_gains(gains or study.study.gains)
     ahead = pack_feedforward(
-        feedforward or study.study.feedforward, controller.fast_sampling_period
+        feedforward or study.study.feedforward,
+        controller.fast_sampling_period,
+        study.uncertainty.mass,
     )
     settings = pack_force(study)
-    memory = new_memory(study, machine, packed, study.study.verification.start)
+    memory = new_memory(study, machine, packed, study.study.verification.start, ahead)
     first = np.concatenate([[memory.filtered[0], 0.0, 0.0], memory.filtered])
     return Rig(
         study=study,
@@ -97,7 +102,7 @@ def rig_of(study, case, gains=None, feedforward=None):
             controller.dead_zone,
             force_limits(settings),
         ),
-        signals=pack_signals(controller),
+        signals=pack_signals(controller, pack_estimator(study), pack_sensors(study.study.sensors)),
         settings=settings,
         space=search_space(),
         moves=moves_of(study.study.manoeuvre),
@@ -142,7 +147,7 @@ class Recorder:
 
 
 def drive(rig, unit, sets=1):
-    """Return the trace ``(T, 15)`` of the machine under a unit, over so many movement sets.
+    """Return the trace ``(T, 16)`` of the machine under a unit, over so many movement sets.
 
     Noise and valve delays are drawn in the order of the simulator: nine samples in each tick, then
     one delay for each valve that switches. A unit has ``start(first, load)`` and ``step(inputs)``;
@@ -155,15 +160,17 @@ def drive(rig, unit, sets=1):
     unit.start(rig.first, rig.load)
     for row, (number, tick) in zip(trace, np.ndindex(sets, rig.ticks), strict=True):
         now = number * rig.ticks * tick_time + tick * tick_time
-        step, v_ref, a_ref = reference(tick * tick_time, rig.moves.pieces)
+        step, v_ref, _ = reference(tick * tick_time, rig.moves.pieces)
+        a_ref = acceleration_ahead(tick * tick_time, rig.moves.pieces, rig.law.ahead)
         x_ref = rig.start + step
-        loop._measure(memory, machine, signals, rig.random)
+        loop._measure(memory, machine, signals, rig.settings, rig.law, v_ref, rig.random)
         outputs = unit.step(np.concatenate([[x_ref, v_ref, a_ref], memory.raw[0]]))
         memory.outer[loop.FORCE], memory.outer[loop.STOPPED] = outputs[:2]
         memory.choice[:] = outputs[2:]
         if tick % signals.ticks == 0:
             loop._switch(memory, rig.space, now, rig.delays, rig.random)
         loop._record(row, memory, x_ref, v_ref, machine)
+        row[loop.FED_MASS] = fed_mass(memory.outer, rig.law.ahead)
         high = accumulator_pressure(memory.state[loop.OIL], machine)
         if high < machine.pump_on:
             memory.outer[loop.PUMPING] = 1.0

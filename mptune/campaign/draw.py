@@ -138,6 +138,8 @@ def scaled(move: Manoeuvre, distance: float, duration: float) -> Manoeuvre:
     )
     values = {
         "distance": move.distance * distance,
+        "speed": move.speed * distance / duration,
+        "ramp": move.ramp * duration,
         "duration": move.duration * duration,
         "samples": samples,
     }

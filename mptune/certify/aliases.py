@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING
 
 from mptune.arrays import FloatArray, kernel
 from mptune.certify.balls import (
-    ROUND,
     Dual,
     constant,
     inverse,
@@ -19,9 +18,9 @@ from mptune.certify.balls import (
     sinc,
     times,
     turning,
-    widened,
 )
 from mptune.certify.rows import store
+from mptune.certify.shares import share_of
 
 if TYPE_CHECKING:
     from mptune.certify.form import Form
@@ -78,24 +77,9 @@ def sampled_terms(
         tick = turning(at, half, form.path.sample_time)
         denominator = plus(constant(1.0), scaled(tick, -form.path.filter_pole))
         place = scaled(times(tick, inverse(denominator, floor)), 1 - form.path.filter_pole)
-        share = _share(omega, half, shifts[k])
+        share = share_of(omega, half, shifts[k])
         heard = plus(times(first, differentiator(form, at, half)), times(share, law))
         if k > 0:
             place = times(place, times(share, share))
         sign = -1.0 if ((k + 1) // 2) % 2 == 1 else 1.0  # shifts stand in order 0, 1, −1, 2, −2, …
         store(row, k, times(scaled(hold, sign), times(place, heard)))
-
-
-@kernel
-def _share(omega: float, half: float, shift: float) -> Dual:
-    """Return ω/(ω + shift), which is 1 where nothing is shifted."""
-    if shift == 0:
-        return constant(1.0)
-    at = omega + shift
-    nearest = abs(at) * (1 - 4 * ROUND) - half
-    value, slope = omega / at, shift / (at * at)
-    error = widened(6 * ROUND * (abs(value) + abs(omega * slope)))
-    spread = widened(abs(shift) * half / (abs(at) * nearest) + error)
-    bend = 2 * abs(shift) / (nearest * nearest * nearest)
-    slope_spread = widened(bend * half + 6 * ROUND * abs(slope))
-    return Dual(complex(value, 0.0), error, spread, complex(slope, 0.0), slope_spread)

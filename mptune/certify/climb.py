@@ -37,7 +37,7 @@ def gain_at(form: Form, point: FloatArray) -> Complex:
         sampled = sampled_plant(plant, form.path, form.period, count)
         return turn * sampled_loop(s, sampled, form.gains, form.period)
     velocity = true_velocity(s, plant)
-    return loop_around(form.loop, s, turn * velocity, form.gains, form.path)
+    return loop_around(form.loop, s, turn * velocity, plant.mass, form.gains, form.path)
 
 
 @kernel

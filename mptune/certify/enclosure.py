@@ -3,10 +3,11 @@
 F = |n|² − γ²|d|² = α|Y|² + 2 Re(βY) + δ, negative wherever the figure is below γ: no division, and
 a denominator that does not vanish is implied. The coordinates of a box are, in this order, ω
 [rad/s], μ = m_N/m, the delay d [s], τ_A and τ_B [s], and an extra phase φ [rad] that is zero but
-where a phase margin is asked for. With Ŷ = μH, H = Σ_k z_k G_F(jω_k) e^{−j(ω_k − ω)d}, Eq. 11 as
-G_F = a/(1 + jωτ_A) + (1 − a)/(1 + jωτ_B) and a = A_A/(A_A + A_B), Y = Ŷ e^{−j(ωd + φ)}: |Y| knows
-nothing of the main phase, which therefore stands with β alone. A compliance's numerator is μn_0:
-its δ holds μ²|n_0|².
+where a phase margin is asked for. With Ŷ = μH + E, H = Σ_k z_k G_F(jω_k) e^{−j(ω_k − ω)d}, Eq. 11
+as G_F = a/(1 + jωτ_A) + (1 − a)/(1 + jωτ_B) and a = A_A/(A_A + A_B), and E such a sum of its own
+where a state estimator hears the force, whose mass it does not know, Y = Ŷ e^{−j(ωd + φ)}: |Y|
+knows nothing of the main phase, which therefore stands with β alone. A compliance's numerator is
+μn_0: its δ holds μ²|n_0|².
 """
 
 from __future__ import annotations
@@ -37,6 +38,8 @@ from mptune.certify.rows import (
     D_1,
     DELTA_D,
     DELTA_N,
+    FIXED,
+    holds_force,
     stored,
 )
 
@@ -68,13 +71,14 @@ def _weighed(row: FloatArray, top: int, bottom: int, num: float, den: float) -> 
 
 
 class PlantDiscs(NamedTuple):
-    """H, and its derivatives by ω, d, τ_A and τ_B."""
+    """Ŷ, and its derivatives by ω, d, τ_A and τ_B, and by μ."""
 
     whole: Disc
     by_omega: Disc
     by_delay: Disc
     by_tau_a: Disc
     by_tau_b: Disc
+    by_ratio: Disc
 
 
 @kernel
@@ -85,7 +89,7 @@ def _term(
     centre: FloatArray,
     half: FloatArray,
 ) -> PlantDiscs:
-    """Return one term z_k G_F(jω_k) e^{−j(ω_k − ω)d} of H with its derivatives."""
+    """Return one term z_k G_F(jω_k) e^{−j(ω_k − ω)d} of H or E with its derivatives."""
     omega, half_omega = centre[OMEGA] + shift, half[OMEGA]
     value, slope = disc_of(coefficient), slope_of(coefficient)
     if shift != 0:
@@ -107,6 +111,7 @@ def _term(
         lagging(multiple(whole, shift, 0.0)),
         lagging(multiple(square_a, omega, half_omega)),
         lagging(multiple(square_b, omega, half_omega)),
+        whole,
     )
 
 
@@ -114,18 +119,43 @@ def _term(
 def plant_over(
     row: FloatArray, shifts: FloatArray, share_a: float, centre: FloatArray, half: FloatArray
 ) -> PlantDiscs:
-    """Return H and its derivatives over a box ``centre``, ``half``, ``(SIDES,)`` each."""
-    found = _term(stored(row, len(shifts) - 1), shifts[-1], share_a, centre, half)
-    for k in range(len(shifts) - 1):
-        one = _term(stored(row, k), shifts[k], share_a, centre, half)
-        found = PlantDiscs(
-            total(found.whole, one.whole),
-            total(found.by_omega, one.by_omega),
-            total(found.by_delay, one.by_delay),
-            total(found.by_tau_a, one.by_tau_a),
-            total(found.by_tau_b, one.by_tau_b),
-        )
-    return found
+    """Return Ŷ and its derivatives over a box ``centre``, ``half``, ``(SIDES,)`` each."""
+    terms, ratio, reach = len(shifts), centre[RATIO], half[RATIO]
+    found = _term(stored(row, terms - 1), shifts[-1], share_a, centre, half)
+    for k in range(terms - 1):
+        found = _sum(found, _term(stored(row, k), shifts[k], share_a, centre, half))
+    scaled = PlantDiscs(
+        multiple(found.whole, ratio, reach),
+        multiple(found.by_omega, ratio, reach),
+        multiple(found.by_delay, ratio, reach),
+        multiple(found.by_tau_a, ratio, reach),
+        multiple(found.by_tau_b, ratio, reach),
+        found.whole,
+    )
+    if not holds_force(row, terms):
+        return scaled
+    for k in range(terms):
+        one = _term(stored(row, terms + FIXED + k), shifts[k], share_a, centre, half)
+        scaled = _sum(scaled, _without_mass(one))
+    return scaled
+
+
+@kernel
+def _without_mass(one: PlantDiscs) -> PlantDiscs:
+    nothing = Disc(complex(0.0, 0.0), 0.0, 0.0)
+    return PlantDiscs(one.whole, one.by_omega, one.by_delay, one.by_tau_a, one.by_tau_b, nothing)
+
+
+@kernel
+def _sum(a: PlantDiscs, b: PlantDiscs) -> PlantDiscs:
+    return PlantDiscs(
+        total(a.whole, b.whole),
+        total(a.by_omega, b.by_omega),
+        total(a.by_delay, b.by_delay),
+        total(a.by_tau_a, b.by_tau_a),
+        total(a.by_tau_b, b.by_tau_b),
+        total(a.by_ratio, b.by_ratio),
+    )
 
 
 @kernel
@@ -168,7 +198,7 @@ def enclose(
     Parameters
     ----------
     plant
-        H over the box.
+        Ŷ over the box.
     row, terms
         The figure's coefficients over the box's frequencies, and its number of shifts.
     num, den
@@ -188,7 +218,7 @@ def enclose(
     reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
     turn = turning_disc(omega * delay + centre[PHASE], widened(reach))
     beta, moving = product(disc_of(both), turn), product(slope_of(both), turn)
-    whole = multiple(plant.whole, ratio, half[RATIO])  # Ŷ
+    whole = plant.whole  # Ŷ
     size = modulus(whole.value)
     square = size * size
     square_error = (2 * size + whole.error) * whole.error + 4 * ROUND * square
@@ -205,17 +235,16 @@ def enclose(
     )
     ahead = twice_real(lagging(turned), 1.0, 0.0)
     slopes[PHASE], spreads[PHASE] = ahead
-    slopes[RATIO], spreads[RATIO] = twice_real(product(force, plant.whole), 1.0, 0.0)
-    ratio_half = half[RATIO]
+    slopes[RATIO], spreads[RATIO] = twice_real(product(force, plant.by_ratio), 1.0, 0.0)
     if power:
         top = stored(row, terms + DELTA_N)
         slopes[RATIO] += 2 * ratio * num * top.value.real
-        spreads[RATIO] += _swing_of_slope(top, num, ratio, ratio_half)
-        delta = _swung(delta, top, num, ratio, ratio_half)
-    tau_a = twice_real(product(force, plant.by_tau_a), ratio, ratio_half)
-    tau_b = twice_real(product(force, plant.by_tau_b), ratio, ratio_half)
-    late = twice_real(product(force, plant.by_delay), ratio, ratio_half)
-    fast = twice_real(product(force, plant.by_omega), ratio, ratio_half)
+        spreads[RATIO] += _swing_of_slope(top, num, ratio, half[RATIO])
+        delta = _swung(delta, top, num, ratio, half[RATIO])
+    tau_a = twice_real(product(force, plant.by_tau_a), 1.0, 0.0)
+    tau_b = twice_real(product(force, plant.by_tau_b), 1.0, 0.0)
+    late = twice_real(product(force, plant.by_delay), 1.0, 0.0)
+    fast = twice_real(product(force, plant.by_omega), 1.0, 0.0)
     own = product(moving, whole)
     slopes[TAU_A], spreads[TAU_A] = tau_a
     slopes[TAU_B], spreads[TAU_B] = tau_b
@@ -257,12 +286,12 @@ def clearance(
     With θ the argument of d at the centre, |d| ≥ Re(e^{−jθ}d), whose mean value form knows how
     the denominator moves relative to where it stands: nothing but that part can bring it to zero.
     """
-    omega, ratio, delay = centre[OMEGA], centre[RATIO], centre[DELAY]
+    omega, delay = centre[OMEGA], centre[DELAY]
     first, second = stored(row, terms + D_0), stored(row, terms + D_1)
     reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
     turn = turning_disc(omega * delay + centre[PHASE], widened(reach))
     weight = product(disc_of(second), turn)  # d_1 e^{−j(ωd + φ)}
-    whole = multiple(plant.whole, ratio, half[RATIO])
+    whole = plant.whole
     ahead = lagging(product(weight, whole))
     value = first.value + weight.value * whole.value
     size = modulus(value)
@@ -270,17 +299,17 @@ def clearance(
         return -1.0
     unit = complex(value.real / size, -value.imag / size)
     moving = total(slope_of(first), product(product(slope_of(second), turn), whole))
-    by_omega = multiple(product(weight, plant.by_omega), ratio, half[RATIO])
+    by_omega = product(weight, plant.by_omega)
     by_omega = total(total(by_omega, moving), multiple(ahead, delay, half[DELAY]))
-    by_delay = multiple(product(weight, plant.by_delay), ratio, half[RATIO])
+    by_delay = product(weight, plant.by_delay)
     by_delay = total(by_delay, multiple(ahead, omega, half[OMEGA]))
-    by_tau_a = multiple(product(weight, plant.by_tau_a), ratio, half[RATIO])
-    by_tau_b = multiple(product(weight, plant.by_tau_b), ratio, half[RATIO])
+    by_tau_a = product(weight, plant.by_tau_a)
+    by_tau_b = product(weight, plant.by_tau_b)
     least = size - first.error - weight.error * modulus(whole.value)
     least -= whole.error * (modulus(weight.value) + weight.error)
     least -= 8 * ROUND * (modulus(first.value) + modulus(weight.value) * modulus(whole.value))
     least -= along(by_omega, unit) * half[OMEGA]
-    least -= along(product(weight, plant.whole), unit) * half[RATIO]
+    least -= along(product(weight, plant.by_ratio), unit) * half[RATIO]
     least -= along(by_delay, unit) * half[DELAY]
     least -= along(by_tau_a, unit) * half[TAU_A] + along(by_tau_b, unit) * half[TAU_B]
     least -= along(ahead, unit) * half[PHASE]

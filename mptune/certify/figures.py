@@ -1,7 +1,8 @@
 """Every figure as |n_0 + n_1 Y| / |d_0 + d_1 Y|, its four coefficients functions of ω alone.
 
 Y is what the plant does: ṽ = μ G_F e^{−jωd} with μ = m_N/m, or a sum of such values at shifted
-frequencies for the loop as it runs (``mptune.certify.sampled``). With P = s m_N/K_P,vel,
+frequencies for the loop as it runs (``mptune.certify.sampled``), or what a state estimator hears of
+place and force (``mptune.certify.estimated``). With P = s m_N/K_P,vel,
 R = (1 + τs)², G_P = Q/(sR), W and h the denominator and the numerator of the position filter
 behind the median's sample, and D = Eq. 23 over s (W = h = D = 1 without a path):
 
@@ -48,6 +49,7 @@ from mptune.certify.balls import (
     turning,
     widened,
 )
+from mptune.certify.estimated import continuous_pair, sampled_pairs
 from mptune.certify.form import COMPLIANCE, EQUATION_17, MIXTURE, Form
 from mptune.certify.rows import (
     ALPHA_D,
@@ -95,15 +97,26 @@ def coefficients(
     omega, half
         Centre and half width of the interval [rad/s].
     row
-        ``(PER_DUAL·(J + FIXED),)``.
+        ``(row_length(J),)``.
     """
     if form.loop == SAMPLED:
         first, law = sampled_law(form, omega, half)
-        sampled_terms(form, shifts, first, law, omega, half, row)
+        if form.path.estimator_mass > 0:
+            sampled_pairs(form, shifts, first, law, omega, half, row)
+        else:
+            sampled_terms(form, shifts, first, law, omega, half, row)
         open_loop = times(_integrated(form, omega, half), first)
         parts = _mixture(form, open_loop, constant(0.0), constant(1.0))
         if form.figure == COMPLIANCE:
             parts = _Parts(_softened(form, omega, half), parts.n1, parts.d0, parts.d1)
+    elif form.path.estimator_mass > 0:
+        first, law = _shape(form, omega, half)
+        below = continuous_pair(form, len(shifts), first, law, omega, half, row)
+        open_loop = times(times(_integrated(form, omega, half), first), below)
+        parts = _mixture(form, open_loop, constant(0.0), constant(1.0))
+        if form.figure == COMPLIANCE:
+            soft = times(_softened(form, omega, half), below)
+            parts = _Parts(soft, parts.n1, parts.d0, parts.d1)
     else:
         store(row, len(shifts) - 1, constant(1.0))
         parts = _continuous(form, omega, half)

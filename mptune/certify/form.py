@@ -62,6 +62,10 @@ def form_of(problem: BoxedLoop, loop: str, path: str, figure: str) -> Form:
         kind, shares = COMPLIANCE, (0.0, 0.0)
     else:
         kind, shares = MIXTURE, SHARES[figure]
+    if path not in {"none", "sampled", problem.measured} or (
+        path == "estimator" and which != FORCE
+    ):
+        raise ValueError(f"there is no {loop} loop with path {path!r}")
     if path == "sampled":
         if which != FORCE:
             raise ValueError(f"as it runs, the loop is broken at F_ref, not at {loop!r}")

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.loops.family import ranges_of
-from mptune.params.pack import pack_filters, pack_gains, pack_nominal
+from mptune.params.pack import pack_gains, pack_measured, pack_nominal
 from mptune.params.packed import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
 
 if TYPE_CHECKING:
@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
 Interval = tuple[float, float]
 LEAST_MASS = 1e-3  # of the nominal mass: a growing box stops there
-PATHS = ("none", "filters", "sampled")
+PATHS = ("none", "filters", "sampled")  # one more, "estimator", stands in the filters' place
 
 
 class Point(NamedTuple):
@@ -125,7 +125,8 @@ class BoxedLoop:
     gains
         The gains of Eq. 18 and Eq. 22.
     filters
-        Median, position filter and Eq. 23, as the paths ``"filters"`` and ``"sampled"`` have them.
+        Median, position filter and Eq. 23, as the paths ``"filters"`` and ``"sampled"`` have them,
+        or a state estimator in their place, as ``"estimator"`` and ``"sampled"`` have it.
     share_a
         A_A/(A_A + A_B).
     period
@@ -153,7 +154,7 @@ class BoxedLoop:
         return cls(
             box,
             pack_gains(gains or study.study.gains),
-            pack_filters(controller),
+            pack_measured(study),
             study.study.cylinder.share_a,
             controller.sampling_period,
             None if explicit == box else explicit,
@@ -168,6 +169,11 @@ class BoxedLoop:
     def path(self, name: str) -> MeasurementPath:
         """Return the measurement path of that name."""
         return NO_PATH if name == "none" else self.filters
+
+    @property
+    def measured(self) -> str:
+        """``"filters"`` or ``"estimator"``: what measures."""
+        return "estimator" if self.filters.estimator_mass > 0 else "filters"
 
     @property
     def holds_sampled(self) -> bool:

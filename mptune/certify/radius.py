@@ -26,7 +26,7 @@ from mptune.certify.tails import tail_start
 if TYPE_CHECKING:
     from mptune.certify.problem import BoxedLoop, Point
 
-RADII = ("equation_17", "equation_21", "none", "filters", "sampled")
+RADII = ("equation_17", "equation_21", "none", "filters", "estimator", "sampled")
 TOLERANCE = 1e-2
 LARGEST = 128.0  # factors above it are not asked about
 _LEAST = 1e-3  # nor are factors below it

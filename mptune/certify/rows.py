@@ -1,7 +1,8 @@
 """What is kept of a figure over one interval of ω: a row of duals.
 
 First the coefficients of Y's terms, one where nothing is sampled, then those of α, δ and β of
-numerator and denominator, and d_0 and d_1.
+numerator and denominator, and d_0 and d_1. Around a state estimator there follow the coefficients
+of those terms that know nothing of the mass, as many as there are with it.
 """
 
 from __future__ import annotations
@@ -12,6 +13,18 @@ from mptune.certify.balls import Dual
 PER_DUAL = 7  # numbers of a row per dual
 ALPHA_N, ALPHA_D, DELTA_N, DELTA_D, BETA_N, BETA_D, D_0, D_1 = 0, 1, 2, 3, 4, 5, 6, 7
 FIXED = 8  # duals behind the terms
+
+
+@kernel
+def row_length(terms: int, estimated: float) -> int:
+    """Return the numbers of a row with so many terms, ``estimated`` above 0 with an estimator."""
+    return PER_DUAL * (FIXED + (2 * terms if estimated > 0 else terms))
+
+
+@kernel
+def holds_force(row: FloatArray, terms: int) -> bool:
+    """Return whether a row has terms that know nothing of the mass."""
+    return len(row) > PER_DUAL * (FIXED + terms)
 
 
 @kernel

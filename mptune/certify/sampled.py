@@ -38,7 +38,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.certify.folded import LeftOut, left_out_of, unfolded_shifts
 from mptune.certify.form import COMPLIANCE
+from mptune.loops.broken import SAMPLED
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
@@ -47,8 +49,16 @@ if TYPE_CHECKING:
 
 _TAPS = 18 / 35  # Σ|taps| of Eq. 23, times T_S,fast
 MOST_SHIFTS = 100
+ESTIMATED_TERMS = 8  # around a state estimator: what folds leave out is more than further ones do
 _BANDS = 400  # bounded one by one; beyond them, together
 _CARE = 1 + 1e-9  # more than all roundings of these sums
+
+
+def shifts_of(form: Form, count: int) -> FloatArray:
+    """Return the frequencies of a form's terms above ω [rad/s]."""
+    if form.path.estimator_mass > 0 and form.loop == SAMPLED:
+        return unfolded_shifts(count, form.path, form.period)
+    return shifts_up_to(count, form.period)
 
 
 def shifts_up_to(count: int, period: float) -> FloatArray:
@@ -62,6 +72,8 @@ def terms_for(form: Form, ratio: float, omega: float, allowed: float) -> int:
 
     Where none up to ``MOST_SHIFTS`` does, that one is returned.
     """
+    if form.path.estimator_mass > 0:
+        return ESTIMATED_TERMS
     count = 2
     while remainder(form, ratio, count, omega) > allowed and count < MOST_SHIFTS:
         count += 1
@@ -82,16 +94,26 @@ def remainder(form: Form, ratio: float, count: int, omega: float) -> float:
     omega
         The highest frequency [rad/s].
     """
+    change, law = _law_bounds(form, omega)
     heard, placed = _series(form.path, form.period, count)
+    plant = ratio * form.gains.k_p_vel / form.nominal.mass
+    return _CARE * plant / form.period * (change * heard + law * placed)
+
+
+def left_out(form: Form, ratio: float, count: int, omega: float) -> LeftOut:
+    """Return the same around a state estimator, where it depends on the plants' lags."""
+    return left_out_of(form, ratio, count, omega, *_law_bounds(form, omega))
+
+
+def _law_bounds(form: Form, omega: float) -> tuple[float, float]:
+    """Return bounds of |1 − w| and of |(1 − w)C| up to ``omega``."""
     gains, half = form.gains, omega * form.period / 2
     change = min(2.0, 2 * half)  # |1 − w|
     warped = 2 / form.period * math.tan(half) if half < 0.49 * math.pi else math.inf
     corner = warped / gains.omega
     lag = 1 / (gains.omega * gains.tau)
     shape = max(1.0, min(corner, lag) ** 2) + gains.xi * min(2 * corner, lag)
-    law = change * gains.k_p_pos * shape + gains.k_i_pos * form.period
-    plant = ratio * gains.k_p_vel / form.nominal.mass
-    return _CARE * plant / form.period * (change * heard + law * placed)
+    return change, change * gains.k_p_pos * shape + gains.k_i_pos * form.period
 
 
 @lru_cache(maxsize=1024)
@@ -131,5 +153,9 @@ def truncated_bound(form: Form, bound: float, left_out: float, weight: float) ->
     """
     if form.figure == COMPLIANCE:
         return bound / (1 + _CARE * left_out * bound / weight)
-    offset = 0.0 if form.share_t == 0 else 1.0 if form.share_s == 0 else 0.5
-    return bound - _CARE * left_out * (bound + offset) ** 2
+    return bound - _CARE * left_out * (bound + offset_of(form)) ** 2
+
+
+def offset_of(form: Form) -> float:
+    """Return c: 0 for S, 1 for T, 1/2 for (S − T)/2."""
+    return 0.0 if form.share_t == 0 else 1.0 if form.share_s == 0 else 0.5

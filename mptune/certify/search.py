@@ -17,10 +17,13 @@ import numpy as np
 
 from mptune.arrays import FloatArray, kernel
 from mptune.certify.balls import ROUND
+from mptune.certify.climb import figure_at
 from mptune.certify.enclosure import (
     OMEGA,
     RATIO,
     SIDES,
+    TAU_A,
+    TAU_B,
     Enclosed,
     PlantDiscs,
     clearance,
@@ -29,7 +32,7 @@ from mptune.certify.enclosure import (
 )
 from mptune.certify.figures import coefficients
 from mptune.certify.form import COMPLIANCE
-from mptune.certify.rows import DELTA_N, FIXED, PER_DUAL, stored
+from mptune.certify.rows import DELTA_N, row_length, stored
 
 if TYPE_CHECKING:
     from mptune.certify.form import Form
@@ -38,6 +41,7 @@ PROVED, ABOVE, OPEN, STUCK = 0, 1, 2, 3
 _SMALLEST = 1e-13  # half a side over its place, below which it is not split any more
 _TINY = 1e-25  # and in itself, in SI
 _CARE = 1 + 1e-14
+_FOLDED_CARE = 1 + 1e-9
 _FAR = 1e-6  # weight of n over that of d, below which only zeros of d are asked for
 
 
@@ -47,6 +51,21 @@ class Found(NamedTuple):
     status: int
     boxes: int
     left: int
+
+
+class Rest(NamedTuple):
+    """What a truncated loop leaves out of L, where that depends on the box: see ``folded``."""
+
+    fixed: float
+    near: float
+    near_rate: float  # s
+    rate: float  # s; 0 where nothing depends on the box
+    offset: float  # c, of ``mptune.certify.sampled``
+    sought: float  # the bound that is to be proved; 0 where only zeros of d are asked for
+    time: float  # m_N/K_P,vel of a compliance, whose weight is μ/|P|² [s]; 0 of other figures
+
+
+NO_REST = Rest(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
 @kernel
@@ -61,6 +80,7 @@ def search(
     count: int,
     budget: int,
     point: FloatArray,
+    rest: Rest = NO_REST,
 ) -> Found:
     """Prove that the figure is below a bound in every box of a list.
 
@@ -86,7 +106,7 @@ def search(
     slots = np.empty(len(lows), np.int64)
     for i in range(count):
         slots[i] = -1
-    rows = np.empty((len(lows), PER_DUAL * (FIXED + terms)))
+    rows = np.empty((len(lows), row_length(terms, form.path.estimator_mass)))
     half, slopes, spreads = np.empty(SIDES), np.empty(SIDES), np.empty(SIDES)
     centre = point
     boxes = 0
@@ -102,17 +122,20 @@ def search(
             coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], rows[last])
         row = rows[slots[last]]
         plant = plant_over(row, shifts, form.share_a, centre, half)
-        f = enclose(plant, row, terms, num, den, centre, half, slopes, spreads, power)
+        top, bottom = num, den
+        if rest.rate > 0:
+            top, bottom = _weights(rest, form.share_a, low, high)
+        f = enclose(plant, row, terms, top, bottom, centre, half, slopes, spreads, power)
         weight = (centre[RATIO] + half[RATIO]) ** power
         if _highest(f, slopes, spreads, half) < 0 or _clear(
-            plant, row, terms, weight * num, den, centre, half
+            plant, row, terms, weight * top, bottom, centre, half
         ):
             slots[last] = -1
             count -= 1
             continue
-        if f.value > f.error:
+        if f.value > f.error and (rest.rate == 0 or _above(form, curve, num, den, centre)):
             return Found(ABOVE, boxes, count)
-        if _collapse(low, high, slopes, spreads):
+        if _collapse(low, high, slopes, spreads, rest):
             slots[last] = -1
             continue
         side = _widest(centre, half, slopes, spreads)
@@ -123,6 +146,37 @@ def search(
         slots[count] = slots[last]
         count += 1
     return Found(PROVED, boxes, 0)
+
+
+@kernel
+def _weights(rest: Rest, share_a: float, low: FloatArray, high: FloatArray) -> tuple[float, float]:
+    """Return the weights of n and d with what the loop leaves out over a box counted in.
+
+    With δ left out, X = x S + y T is below γ if |X_t| + δ(|y| + γ)|S_t| ≤ γ for the truncated loop,
+    and |S_t| ≤ |y| + |X_t| in all three mixtures. A compliance is below γ if that of the truncated
+    loop is below γ/(1 + δγ/w), w being the least weight of the box (``mptune.certify.sampled``).
+    """
+    shortest = min(low[TAU_A], low[TAU_B])
+    if shortest <= 0:
+        return 1.0, 0.0  # nothing can be proved
+    fall = _FOLDED_CARE * (share_a / low[TAU_A] + (1 - share_a) / low[TAU_B])
+    left = rest.fixed + min(rest.near, fall * rest.near_rate) + fall * rest.rate
+    if rest.sought == 0:
+        return left * left * _CARE, 1.0
+    if rest.time > 0:
+        turn = high[OMEGA] * rest.time  # |P|
+        weight = low[RATIO] / (turn * turn)
+        sought = rest.sought / (1 + _FOLDED_CARE * left * rest.sought / weight)
+        return 1.0, sought * sought
+    reach = _FOLDED_CARE * left * (rest.offset + rest.sought)
+    sought = (rest.sought - reach * rest.offset) / (1 + reach)
+    return 1.0, sought * sought if sought > 0 else 0.0
+
+
+@kernel
+def _above(form: Form, curve: FloatArray, num: float, den: float, centre: FloatArray) -> bool:
+    """Return whether the loop itself is above the bound at a box's centre, not cut off."""
+    return num == 1.0 and figure_at(form, curve, centre) ** 2 > den
 
 
 @kernel
@@ -173,17 +227,32 @@ def _highest(f: Enclosed, slopes: FloatArray, spreads: FloatArray, half: FloatAr
 
 
 @kernel
-def _collapse(low: FloatArray, high: FloatArray, slopes: FloatArray, spreads: FloatArray) -> bool:
-    """Reduce a box to the faces that hold its largest F; return whether any was found."""
+def _collapse(
+    low: FloatArray, high: FloatArray, slopes: FloatArray, spreads: FloatArray, rest: Rest
+) -> bool:
+    """Reduce a box to the faces that hold its largest F; return whether any was found.
+
+    A face on which less is asked than of the box, as less is left out there, proves nothing of it.
+    """
     found = False
     for i in range(SIDES):
-        if low[i] < high[i] and abs(slopes[i]) > spreads[i]:
+        if low[i] < high[i] and abs(slopes[i]) > spreads[i] and not _eased(i, slopes[i], rest):
             found = True
             if slopes[i] > 0:
                 low[i] = high[i]
             else:
                 high[i] = low[i]
     return found
+
+
+@kernel
+def _eased(side: int, slope: float, rest: Rest) -> bool:
+    """Return whether less is asked on the face to which a slope points."""
+    if rest.rate == 0:
+        return False
+    if side in (TAU_A, TAU_B) or (side == RATIO and rest.time > 0):
+        return slope > 0
+    return side == OMEGA and rest.time > 0 and slope < 0
 
 
 @kernel

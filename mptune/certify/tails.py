@@ -10,15 +10,19 @@ l_F = l(1 + C/ω) and q = C/(ω(p − 1)), all falling with ω wherever p > 1::
     compliance      ≤ μ_max/p² · 1/(1 − l_F)
 
 and |S − T|/2 ≤ (S + T)/2. They hold with and without a measurement path, whose responses are at
-most 1 in modulus, as |G_F| is. The loop as it runs has no tail: it repeats itself.
+most 1 in modulus, as |G_F| is. The loop as it runs has no tail: it
+repeats itself. Around a state estimator l_F is ``mptune.loops.estimated``'s bound of the loop, and
+the axis ends at half the fast rate.
 """
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from mptune.certify.form import COMPLIANCE, EQUATION_17, EQUATION_21
 from mptune.loops.broken import POSITION, VELOCITY
+from mptune.loops.estimated import falling_bound, half_rate
 
 if TYPE_CHECKING:
     from mptune.certify.form import Form
@@ -39,6 +43,8 @@ def tail_start(form: Form, ratio: float, level: float) -> float:
     level
         The level, above 0; for S above 1, and for (S − T)/2 above 1/2.
     """
+    if form.path.estimator_mass > 0:
+        return _estimated_start(form, ratio, level)
     low, high = 0.0, 2 * ratio * form.gains.k_p_vel / form.nominal.mass
     while not tail_bound(form, ratio, high) <= level:
         low, high = high, 2 * high
@@ -71,6 +77,27 @@ def tail_bound(form: Form, ratio: float, omega: float) -> float:
     if form.figure == COMPLIANCE:
         return _CARE * ratio / turn**2 / (1 - whole) if whole < 1 else float("inf")
     return _mixture_bound(form, loop, law, whole)
+
+
+def _estimated_start(form: Form, ratio: float, level: float) -> float:
+    """Return the same around a state estimator: at most half the fast rate."""
+    mass = form.nominal.mass / ratio
+    low, high = 1e-3, half_rate(form.path)
+    for _ in range(_STEPS):
+        middle = math.sqrt(low * high)
+        whole = falling_bound(middle, mass, form.gains, form.path)
+        if math.isfinite(whole) and _estimated_bound(form, ratio, middle, whole) <= level:
+            high = middle
+        else:
+            low = middle
+    return high
+
+
+def _estimated_bound(form: Form, ratio: float, omega: float, whole: float) -> float:
+    if form.figure == COMPLIANCE:
+        turn = omega * form.nominal.mass / form.gains.k_p_vel  # p
+        return _CARE * ratio / turn**2 / (1 - whole) if whole < 1 else float("inf")
+    return _mixture_bound(form, whole, 0.0, whole)
 
 
 def _mixture_bound(form: Form, loop: float, law: float, whole: float) -> float:

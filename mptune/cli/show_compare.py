@@ -46,7 +46,10 @@ def _rows(found: tuple[Compared, ...]) -> Iterator[Row]:
             f"{name} left/right",
             *(verdict(ratio_text(one), good=one.satisfied) for one in conditions),
         ]
-    yield ["gain margin at F_ref, with path", *(_margin(one, "filters") for one in found)]
+    yield [
+        "gain margin at F_ref, with path",
+        *(_margin(one, one.sweep.model.paths[1]) for one in found),
+    ]
     yield ["gain margin at F_ref, sampled", *(_margin(one, "sampled") for one in found)]
     yield ["noise gain [N/m]", *(number(one.sweep.noise_gain) for one in found)]
     for mass in sorted({mass for one in found for mass in one.index_ms}):

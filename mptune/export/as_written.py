@@ -65,7 +65,9 @@ def rounded_section(section: _Part, digits: int | None) -> _Part:
     """Return gains or feed-forward, each number to so many significant digits; None leaves them."""
     if digits is None:
         return section
-    values = {key: float(f"{value:.{digits - 1}e}") for key, value in section.model_dump().items()}
+    values = section.model_dump()
+    for key, *_ in section.quantities():
+        values[key] = float(f"{values[key]:.{digits - 1}e}")
     return type(section).model_validate(values, context={"si": True})
 
 

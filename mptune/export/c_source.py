@@ -53,10 +53,18 @@ typedef struct {{
     uint8_t second_count; /* 0 without crossflow */
 }} mptune_port;
 
+#ifdef __cplusplus
+extern "C" {{
+#endif
+
 extern const mptune_parameters mptune_study;
 extern const mptune_port mptune_ports[MPTUNE_STATES];
 extern const uint8_t mptune_valves[MPTUNE_STATES][12];                /* 1 where open */
 extern const uint8_t mptune_switches[MPTUNE_STATES][MPTUNE_STATES]; /* valves that differ */
+
+#ifdef __cplusplus
+}}
+#endif
 
 #endif
 """

@@ -13,7 +13,13 @@ import numpy as np
 from mptune.errors import Fault, InputError
 from mptune.export.formats import Precision
 from mptune.force.cost import force_limits
-from mptune.params.pack import pack_feedforward, pack_force, pack_gains, pack_signals
+from mptune.params.pack import (
+    pack_estimator,
+    pack_feedforward,
+    pack_force,
+    pack_gains,
+    pack_signals,
+)
 from mptune.signals.tustin import discretise
 
 if TYPE_CHECKING:
@@ -34,6 +40,20 @@ _MEANINGS = {
     "acceleration_mass": ("kg", "mass of the acceleration feed-forward"),
     "reference_pole": ("1", "pole of the lag of x_ref at T_S,fast; 0 for none"),
     "velocity_reference_pole": ("1", "pole of the lag of v_ref at T_S,fast; 0 for none"),
+    "preview": ("s", "how far ahead acceleration_reference is of the other references"),
+    "jerk": ("1", "1 where it is a_ref + preview j_ref of now instead: the future is unknown"),
+    "viscous_friction": ("N s/m", "viscous friction fed forward"),
+    "coulomb_friction": ("N", "Coulomb friction fed forward"),
+    "friction_velocity": ("m/s", "velocity reference about which Coulomb friction turns over"),
+    "adaptive": ("1", "1 where the mass is learnt on line"),
+    "mass_least": ("kg", "bound of a mass that is learnt"),
+    "mass_largest": ("kg", "bound of a mass that is learnt"),
+    "regressor_pole": ("1", "pole of the lag between reference and force, of the regression"),
+    "estimator_mass": ("kg", "mass of the state estimator; 0 for filters and Eq. 23"),
+    "l_1": ("1", "its correction of the position"),
+    "l_2": ("1/s", "of the velocity"),
+    "l_3": ("1/s^2", "of the load force over its mass"),
+    "injected": ("1", "1 where the reference is injected into it"),
     "sample_time": ("s", "T_S,fast"),
     "position_pole": ("1", "pole of the position filter at T_S,fast"),
     "pressure_pole": ("1", "pole of the chamber pressure filters"),
@@ -128,6 +148,10 @@ def controller_numbers(
     signals, force = pack_signals(controller), pack_force(study)
     law = discretise(pack_gains(gains), controller.sampling_period)._asdict()
     law["integral_rate"] = law.pop("integral")
+    masses = study.uncertainty.mass
+    ahead = pack_feedforward(feedforward, signals.sample_time, masses)._asdict()
+    ahead.pop("sample_time")
+    estimator = pack_estimator(study)._asdict()
     least, largest = force_limits(force)
     stop = ("velocity_tolerance", "stop_tolerance", "start_tolerance")
     filters = ("sample_time", "position_pole", "pressure_pole", "supply_pole", "backlash")
@@ -139,7 +163,8 @@ def controller_numbers(
             "force_least": least,
             "force_largest": largest,
         },
-        "feedforward_lags": pack_feedforward(feedforward, signals.sample_time)._asdict(),
+        "feedforward_lags": ahead,
+        "state_estimator": {"estimator_mass": estimator.pop("mass"), **estimator},
         "filters": {key: getattr(signals, key) for key in filters},
         "stop_logic": {key: getattr(signals, key) for key in stop},
         "force_controller": force._asdict(),

@@ -29,7 +29,7 @@ def fmi2_description(controller: TargetController, token: str, sources: Sequence
         root,
         "CoSimulation",
         modelIdentifier=MODEL,
-        canHandleVariableCommunicationStepSize="false",
+        canHandleVariableCommunicationStepSize="true",
         canNotUseMemoryManagementFunctions="true",
         canGetAndSetFMUstate="true",
     )
@@ -62,7 +62,7 @@ def fmi3_description(controller: TargetController, token: str) -> str:
         root,
         "CoSimulation",
         modelIdentifier=MODEL,
-        canHandleVariableCommunicationStepSize="false",
+        canHandleVariableCommunicationStepSize="true",
         canGetAndSetFMUState="true",
         fixedInternalStepSize=repr(period),
     )

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.errors import Fault, InputError
 from mptune.escaping import comment_text
 from mptune.export.formats import Precision
 
@@ -30,7 +31,7 @@ _TITLE = (
     "task of T_S,fast. Where global variables have a list of their own, move the constants there "
     "and leave out the configuration."
 )
-_SECTIONS = ("outer_loops", "feedforward_lags", "filters")
+_SECTIONS = ("outer_loops", "feedforward_lags", "state_estimator", "filters")
 _FILES = ("outer_loops.st", "program.st")
 _UNIT = re.compile(r"^(FUNCTION_BLOCK|PROGRAM) .*?^END_\1$", re.MULTILINE | re.DOTALL)
 _COMMENT = re.compile(r"\(\*.*?\*\)", re.DOTALL)
@@ -39,7 +40,15 @@ _TICKS = ("MPT_TICKS", "DINT")
 
 
 def structured_text(controller: TargetController) -> str:
-    """Return blocks, program and configuration; REAL where the precision is single."""
+    """Return blocks, program and configuration; REAL where the precision is single.
+
+    Raises
+    ------
+    InputError
+        If the study has what the blocks do not hold: a state estimator, friction fed forward or a
+        mass that is learnt on line.
+    """
+    _check_held(controller)
     numbers = controller.numbers
     folder = resources.files("mptune.export").joinpath("st")
     blocks = "\n".join(folder.joinpath(name).read_text("utf-8") for name in _FILES)
@@ -53,6 +62,21 @@ def structured_text(controller: TargetController) -> str:
     if numbers.precision is Precision.FLOAT:
         return text.replace("LREAL", "REAL")
     return text
+
+
+def _check_held(controller: TargetController) -> None:
+    for key in ("estimator_mass", "adaptive", "viscous_friction", "coulomb_friction"):
+        value = controller.numbers.value(key)
+        if value != 0:
+            raise InputError(
+                controller.study.name,
+                Fault(
+                    key,
+                    f"{value:g}",
+                    "is nothing that the Structured Text blocks hold",
+                    "export to C or as a function mock-up unit instead",
+                ),
+            )
 
 
 def _keys(numbers: Numbers) -> list[str]:

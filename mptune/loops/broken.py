@@ -16,7 +16,9 @@
 ``SAMPLED``
     the same as it runs, sampled: see ``mptune.loops.sampled``
 
-Without a measurement path the position and the velocity are taken as they are.
+Without a measurement path the position and the velocity are taken as they are. A state estimator
+hears the force as well, so that no velocity loop separates: ``VELOCITY`` is then the loop at F_ref
+with the position controller off, ``POSITION`` the loop broken behind that controller.
 """
 
 from __future__ import annotations
@@ -24,6 +26,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.arrays import Complex, kernel
+from mptune.loops.estimated import estimated_loop
 from mptune.loops.position import closed_velocity, position_controller
 from mptune.loops.velocity import true_velocity, velocity_controller
 from mptune.signals.conditioning import filter_response, median_response
@@ -84,9 +87,24 @@ def force_loop(s: Complex, velocity: Complex, gains: LoopGains, path: Measuremen
 
 @kernel
 def loop_around(
-    which: int, s: Complex, velocity: Complex, gains: LoopGains, path: MeasurementPath
+    which: int,
+    s: Complex,
+    velocity: Complex,
+    mass: float,
+    gains: LoopGains,
+    path: MeasurementPath,
 ) -> Complex:
-    """Return the loop gain around one velocity plant, broken at ``which``."""
+    """Return the loop gain around one velocity plant, broken at ``which``.
+
+    The mass [kg], which ``velocity`` holds already, is asked for where a state estimator hears the
+    force.
+    """
+    if path.estimator_mass > 0:
+        whole = estimated_loop(s, velocity, mass, gains, path, 1.0)
+        if which == FORCE:
+            return whole
+        inner = estimated_loop(s, velocity, mass, gains, path, 0.0)
+        return inner if which == VELOCITY else (whole - inner) / (1 + inner)
     if which == VELOCITY:
         return velocity_loop(s, velocity, gains.k_p_vel, path)
     if which == POSITION:
@@ -99,4 +117,4 @@ def loop_gain(
     which: int, s: Complex, plant: Plant, gains: LoopGains, path: MeasurementPath
 ) -> Complex:
     """Return the loop gain of one plant, broken at ``which``."""
-    return loop_around(which, s, true_velocity(s, plant), gains, path)
+    return loop_around(which, s, true_velocity(s, plant), plant.mass, gains, path)

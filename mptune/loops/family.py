@@ -18,6 +18,7 @@ from mptune.arrays import (
     parallel_kernel,
 )
 from mptune.loops.broken import FORCE, VELOCITY, loop_gain
+from mptune.loops.estimated import estimated_terms, slowest_error, tail_of
 from mptune.loops.force_dynamics import force_dynamics, pressure_time_constant
 from mptune.loops.velocity import plant_at
 from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant, Plants
@@ -181,7 +182,7 @@ class FamilyLoops(Summarised):
     def radius(self) -> FloatArray:
         """``(N,)``: below the pole of every lag [rad/s]."""
         slowest = np.maximum(self.plants.tau_a, self.plants.tau_b)
-        slowest = np.maximum(slowest, self.path.filter_time)
+        slowest = np.maximum(slowest, self.path.filter_time)  # of an estimator, 1/ω_o
         if self.which == FORCE:
             slowest = np.maximum(slowest, self.gains.tau)
         return 0.9 / np.maximum(slowest, 1e-9)
@@ -189,10 +190,15 @@ class FamilyLoops(Summarised):
     @property
     def tail(self) -> FloatArray:
         """``(N,)``: |L| ≤ 1/2 beyond it, as |G_F|, |e^{−sd}| and the path are at most 1 there."""
-        plant = self.gains.k_p_vel / self.plants.mass
+        gains = self.gains
+        if self.path.estimator_mass > 0:
+            if self.which == VELOCITY:
+                gains = gains._replace(k_p_pos=0.0, k_i_pos=0.0)
+            end = [tail_of(mass, gains, self.path) for mass in np.unique(self.plants.mass)]
+            return np.array(end)[np.unique(self.plants.mass, return_inverse=True)[1]]
+        plant = gains.k_p_vel / self.plants.mass
         if self.which == VELOCITY:
             return np.asarray(2 * plant)
-        gains = self.gains
         corner = gains.omega * gains.tau
         shape = 1 / corner**2 + gains.xi / corner + 1  # bounds |G_P|/K_P,pos without its I-term
         tail = 2 * plant
@@ -220,12 +226,16 @@ class FamilyLoops(Summarised):
         plants, path = self.plants, self.path
         lead = np.maximum(plants.tau_a, plants.tau_b)
         time = plants.delay + plants.tau_a + plants.tau_b + lead
-        if path.sample_time > 0:
+        powers = float(self.integrators)
+        if path.estimator_mass > 0:  # w up to four times; ŝ twice, |d ln ŝ/dω| ≤ π/(2ω)
+            time = time + 4 * path.sample_time + slowest_error(path)[1]
+            powers += np.pi
+        elif path.sample_time > 0:
             filter_time = path.filter_pole * path.sample_time / (1 - path.filter_pole)
             time = time + 6 * path.sample_time + filter_time
         if self.which == FORCE:
             time = time + 2 * self.gains.tau
-        return np.asarray(time[rows] + self.integrators / omega)
+        return np.asarray(time[rows] + powers / omega)
 
 
 @parallel_kernel
@@ -266,6 +276,10 @@ def _bounds(
     for i in numba.prange(len(omega)):
         s, plant = 1j * omega[i], plant_at(plants, rows[i])
         size = abs(force_dynamics(s, plant.tau_a, plant.tau_b, plant.share_a))
+        if path.estimator_mass > 0:
+            share = 0.0 if which == VELOCITY else 1.0
+            values[i] = size * estimated_terms(omega[i], plant.mass, gains, path, share)
+            continue
         if path.sample_time > 0:
             size *= abs(filter_response(s, path.sample_time, path.filter_pole))
         values[i] = gains.k_p_vel / (plant.mass * omega[i]) * size * _terms(which, omega[i], gains)

@@ -40,7 +40,7 @@ class RunningFamily(NamedTuple):
     velocity: FloatArray  # (N, M) of V
     factor_a: FloatArray  # (N,)
     factor_b: FloatArray  # (N,)
-    factor_filter: float
+    path: FloatArray  # (D,) denominator that the measurement path adds
     position_at: ComplexArray  # (N, F) X
     velocity_at: ComplexArray  # (N, F) V
     period: float  # s, T_S
@@ -54,7 +54,7 @@ def sampled_at(family: RunningFamily, n: int) -> SampledPlant:
         family.velocity[n],
         family.factor_a[n],
         family.factor_b[n],
-        family.factor_filter,
+        family.path,
     )
 
 
@@ -75,20 +75,20 @@ def running_family(
 @kernel
 def _sampled(
     omega: FloatArray, plants: Plants, path: MeasurementPath, period: float, count: int
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, float, ComplexArray, ComplexArray]:
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, ComplexArray, ComplexArray]:
     number = len(plants.mass)
     position, velocity = np.empty((number, count)), np.empty((number, count))
-    factor_a, factor_b, factor_filter = np.empty(number), np.empty(number), 0.0
+    factor_a, factor_b, added = np.empty(number), np.empty(number), np.ones(1)
     position_at = np.empty((number, len(omega)), np.complex128)
     velocity_at = np.empty((number, len(omega)), np.complex128)
     for n in range(number):
         one = sampled_plant(plant_at(plants, n), path, period, count)
         position[n], velocity[n] = one.position, one.velocity
-        factor_a[n], factor_b[n], factor_filter = one.factor_a, one.factor_b, one.factor_filter
+        factor_a[n], factor_b[n], added = one.factor_a, one.factor_b, one.path
         for f in range(len(omega)):
             x, v = measured_parts(1j * omega[f], one, period)
             position_at[n, f], velocity_at[n, f] = x, v
-    return position, velocity, factor_a, factor_b, factor_filter, position_at, velocity_at
+    return position, velocity, factor_a, factor_b, added, position_at, velocity_at
 
 
 @kernel

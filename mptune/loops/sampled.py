@@ -12,8 +12,11 @@ position between samples from the modified z-transform ::
     y_θ = E^θ (1 − E) w/(1 − E w) + 1 − E^θ,   E = e^{−T/τ}      of a lag
 
 a weighted sum over the last ticks is a numerator in w, with real coefficients, over
-(1 − w)² (1 − E_A w)(1 − E_B w)(1 − aⁿ w), a being the filter's pole and n the ticks in T_S. Nothing
-is approximated but the median, which a linear loop can only have as one sample.
+(1 − w)² (1 − E_A w)(1 − E_B w)(1 − aⁿ w), a being the filter's pole and n the ticks in T_S. A state
+estimator reads the force as well, F(w, θ) = Σ_sides share·y_θ; with M what its error becomes in a
+tick, its states are Σ_i Mⁱ (…) over the ticks of one period, times adj(I − Mⁿ w), over
+det(I − Mⁿ w) in the place of 1 − aⁿ w. Nothing is approximated but the median, which a linear loop
+can only have as one sample.
 """
 
 from __future__ import annotations
@@ -24,6 +27,7 @@ import numba
 import numpy as np
 
 from mptune.arrays import BoolArray, Complex, ComplexArray, FloatArray, kernel, parallel_kernel
+from mptune.loops.held_force import adjugate, force_terms
 from mptune.loops.velocity import plant_at
 from mptune.signals.differentiator import TAPS
 from mptune.signals.tustin import discrete_response, discretise
@@ -36,6 +40,7 @@ _UNIT_CIRCLE = 1e-9  # a multiplier nearer to the circle than this is undecided
 _COMPANIONS = 8_000_000  # numbers of companion matrices held at a time, 64 MB
 _QUARTIC = 4  # degree of the plant's denominator in w
 _EXTRA = 5  # older samples that Eq. 23 reaches back to
+_ADJUGATE = 2  # degree in w of adj(I − Mⁿ w)
 
 
 class SampledPlant(NamedTuple):
@@ -45,14 +50,15 @@ class SampledPlant(NamedTuple):
     velocity: FloatArray  # (M,) numerator of Eq. 23's velocity over F_ref
     factor_a: float  # E_A
     factor_b: float  # E_B
-    factor_filter: float  # aⁿ
+    path: FloatArray  # (D,) denominator that the measurement path adds, 1 first
 
 
 @kernel
 def coefficient_count(longest_delay: float, path: MeasurementPath, period: float) -> int:
     """Return M, enough coefficients for plants up to that total delay [s]."""
     oldest = (round(period / path.sample_time) + _EXTRA) * path.sample_time
-    return _QUARTIC + 1 + int(np.ceil((oldest + (longest_delay - period / 2)) / period))
+    more = _ADJUGATE if path.estimator_mass > 0 else 0
+    return _QUARTIC + 1 + more + int(np.ceil((oldest + (longest_delay - period / 2)) / period))
 
 
 @kernel
@@ -74,6 +80,8 @@ def sampled_plant(plant: Plant, path: MeasurementPath, period: float, count: int
     factor_a = np.exp(-period / plant.tau_a) if plant.tau_a > 0 else 0.0
     factor_b = np.exp(-period / plant.tau_b) if plant.tau_b > 0 else 0.0
     delay = plant.delay - period / 2  # valve and computation
+    if path.estimator_mass > 0:
+        return _estimated_plant(plant, path, period, count, factor_a, factor_b)
     position, velocity = np.zeros(count), np.zeros(count)
     terms = np.zeros(_QUARTIC + 1)
     for back in range(1, ticks + _EXTRA + 1):  # ticks before the controller reads
@@ -89,7 +97,59 @@ def sampled_plant(plant: Plant, path: MeasurementPath, period: float, count: int
         for power in range(_QUARTIC + 1):
             position[whole + power] += of_position * terms[power]
             velocity[whole + power] += of_velocity * terms[power]
-    return SampledPlant(position, velocity, factor_a, factor_b, path.filter_pole**ticks)
+    faded = np.array([1.0, -(path.filter_pole**ticks)])
+    return SampledPlant(position, velocity, factor_a, factor_b, faded)
+
+
+@kernel
+def _estimated_plant(  # noqa: C901 - one sum over the ticks of a period
+    plant: Plant,
+    path: MeasurementPath,
+    period: float,
+    count: int,
+    factor_a: float,
+    factor_b: float,
+) -> SampledPlant:
+    """Return one plant with its state estimator as the controller samples it."""
+    fast, mass = path.sample_time, path.estimator_mass
+    ticks = round(period / fast)
+    delay = plant.delay - 0.5 * period  # valve and computation
+    gain = np.array([path.l_1, path.l_2, -path.l_3])
+    ahead = np.array([[1.0, fast, -fast * fast / 2], [0.0, 1.0, -fast], [0.0, 0.0, 1.0]])
+    pushed = np.array([fast * fast / 2, fast, 0.0]) / mass
+    step = ahead - np.outer(gain, ahead[0])  # M = (I − L C) A
+    pushed = pushed - gain * pushed[0]
+    summed, power = np.zeros((count, 3)), np.eye(3)
+    terms = np.zeros(_QUARTIC + 1)
+    for back in range(1, ticks + 1):  # ticks before the controller reads; the median is one
+        age = (back * fast + delay) / period
+        whole = int(np.ceil(age - 1e-12))
+        within = max(whole - age, 0.0)
+        _position_terms(terms, within, plant, factor_a, factor_b, period)
+        of_place, of_force = power @ gain, power @ pushed
+        for degree in range(_QUARTIC + 1):
+            for i in range(3):
+                summed[whole + degree, i] += of_place[i] * terms[degree]
+        force_terms(terms, within, plant, factor_a, factor_b)
+        for degree in range(_QUARTIC + 1):
+            for i in range(3):
+                summed[whole + degree, i] += of_force[i] * terms[degree]
+        power = step @ power
+    trace = power[0, 0] + power[1, 1] + power[2, 2]
+    adjoint = adjugate(power)
+    cofactors = adjoint[0, 0] + adjoint[1, 1] + adjoint[2, 2]
+    faded = np.array([1.0, -trace, cofactors, -np.linalg.det(power)])
+    heard = np.zeros((2, count))
+    once = power - trace * np.eye(3)  # adj(I − Mⁿ w) = I + w once + w² adj(Mⁿ)
+    for k in range(count):
+        for row in range(2):
+            heard[row, k] += summed[k, row]
+            for i in range(3):
+                if k + 1 < count:
+                    heard[row, k + 1] += once[row, i] * summed[k, i]
+                if k + 2 < count:
+                    heard[row, k + 2] += adjoint[row, i] * summed[k, i]
+    return SampledPlant(heard[0].copy(), heard[1].copy(), factor_a, factor_b, faded)
 
 
 @kernel
@@ -145,7 +205,7 @@ def measured_parts(s: Complex, plant: SampledPlant, period: float) -> tuple[Comp
     """Return measured position and measured velocity over F_ref, at s or at z = e^{sT_S}."""
     w = np.exp(-s * period)
     poles = (1 - w) ** 2 * (1 - plant.factor_a * w) * (1 - plant.factor_b * w)
-    poles *= 1 - plant.factor_filter * w
+    poles *= _polynomial(plant.path, w)
     return _polynomial(plant.position, w) / poles, _polynomial(plant.velocity, w) / poles
 
 
@@ -185,7 +245,7 @@ def characteristic(plant: SampledPlant, gains: LoopGains, period: float) -> Floa
     law = discretise(gains, period)
     factor_a, factor_b = plant.factor_a, plant.factor_b
     opened = np.zeros(len(plant.position) - 4)
-    opened[0], opened[1] = 1.0, -plant.factor_filter
+    opened[: len(plant.path)] = plant.path
     opened = _times(opened, 1.0, -2.0, 1.0)
     opened = _times(opened, 1.0, -factor_a - factor_b, factor_a * factor_b)
     opened = _times(_times(opened, 1.0, law.a1, law.a2), 1.0, -1.0, 0.0)

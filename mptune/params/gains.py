@@ -128,6 +128,9 @@ def write_gains(path: str | Path, gains: GainsFile) -> Path:
             item = tomlkit.item(getattr(section, key))
             item.comment(f"{unit if unit != '1' else '-'}, {symbol}, {meaning}")
             table.add(key, item)
+        for key in type(section).model_fields:
+            if key not in table:
+                table.add(key, getattr(section, key))  # a switch
         document.add(name, table)
     for key in ("figures", "judged_on"):
         document.add(key, values[key])

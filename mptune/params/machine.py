@@ -180,6 +180,44 @@ class Supplies(Section):
         return self
 
 
+class SensorTruth(Section):
+    """What is untrue about the sensors beside their noise; true by default."""
+
+    pressure_gain_error_a: float = quantity(
+        "1",
+        "ε_A",
+        "relative gain error of the pressure sensor of side A",
+        0.0,
+        at_least=-0.9,
+        at_most=9,
+    )
+    pressure_gain_error_b: float = quantity(
+        "1",
+        "ε_B",
+        "relative gain error of the pressure sensor of side B",
+        0.0,
+        at_least=-0.9,
+        at_most=9,
+    )
+    pressure_offset_a: float = quantity(
+        "Pa", "o_A", "offset of side A's pressure sensor", 0.0, at_least=-1e8, at_most=1e8
+    )
+    pressure_offset_b: float = quantity(
+        "Pa", "o_B", "offset of side B's pressure sensor", 0.0, at_least=-1e8, at_most=1e8
+    )
+    position_hysteresis: float = quantity(
+        "m",
+        "h_x",
+        "hysteresis of the position sensor, as a backlash's width",
+        0.0,
+        at_least=0,
+        at_most=1,
+    )
+    position_resolution: float = quantity(
+        "m", "q_x", "resolution of the position sensor; 0 for none", 0.0, at_least=0, at_most=1
+    )
+
+
 class Load(Section):
     """What the piston pushes against, apart from the inertia (which is in ``[uncertainty]``)."""
 

@@ -17,7 +17,7 @@ FEWEST_SAMPLES = 4
 class Manoeuvre(Section):
     """One move of the position reference, then a rest."""
 
-    kind: Literal["quintic", "trapezoid", "s-curve", "sine", "file"] = Field(
+    kind: Literal["quintic", "trapezoid", "s-curve", "sine", "velocity", "file"] = Field(
         "quintic", description="shape of the reference"
     )
     distance: float = quantity(
@@ -38,6 +38,17 @@ class Manoeuvre(Section):
     samples: tuple[tuple[float, float], ...] = Field(
         (), description="time [s] and position [m], read from the file that `file` names"
     )
+    speed: float = quantity(
+        "m/s", "v", "commanded speed, as from a joystick", 0.0, at_least=-10, at_most=10
+    )
+    ramp: float = quantity(
+        "s",
+        "T_r",
+        "time in which a commanded speed is reached, and left again",
+        0.1,
+        at_least=1e-9,
+        at_most=1e4,
+    )
 
     @model_validator(mode="after")
     def _has_what_its_kind_needs(self) -> Self:
@@ -45,6 +56,16 @@ class Manoeuvre(Section):
             refuse(
                 'has either no file with kind = "file" or a file with another kind',
                 'write kind = "file" and file = "name.csv"',
+            )
+        if (self.kind == "velocity") != (self.speed != 0):
+            refuse(
+                'has either no speed with kind = "velocity" or a speed with another kind',
+                'write kind = "velocity" and speed = "50 mm/s"',
+            )
+        if self.kind == "velocity" and (self.distance != 0 or 2 * self.ramp > self.duration):
+            refuse(
+                "has a commanded speed with a distance, or with ramps longer than its duration",
+                "leave the distance out, and let twice the ramp fit into the duration",
             )
         return self
 
@@ -66,6 +87,8 @@ class Manoeuvre(Section):
         """How far from its begin the move ends [m]."""
         if self.kind == "file":
             return self.samples[-1][1] - self.samples[0][1]
+        if self.kind == "velocity":
+            return self.speed * (self.duration - self.ramp)
         return 0.0 if self.kind == "sine" else self.distance
 
     @property
@@ -91,6 +114,8 @@ class Manoeuvre(Section):
             return math.pi * self.cycles * length / time
         if self.kind == "file":
             return max(map(abs, self._speeds()))
+        if self.kind == "velocity":
+            return abs(self.speed)
         return length / (time * (1 - self.ramp_share))
 
     @property
@@ -106,6 +131,8 @@ class Manoeuvre(Section):
             gaps = [(last - first) / 2 for first, last in zip(times, times[2:], strict=False)]
             changes = [abs(b - a) for a, b in pairwise(speeds)]
             return max((a / gap for a, gap in zip(changes, gaps, strict=True)), default=0.0)
+        if self.kind == "velocity":
+            return speed / self.ramp
         factor = 2 if self.kind == "s-curve" else 1
         return factor * speed / (self.ramp_share * time)
 
@@ -117,21 +144,21 @@ class Manoeuvre(Section):
         if self.kind == "file":
             places = [place for _, place in self.samples]
             return sum(abs(b - a) for a, b in pairwise(places))
-        return abs(self.distance)
+        return abs(self.net_distance)
 
     @property
     def extends(self) -> bool:
         """Whether the piston is to move out somewhere."""
         if self.kind == "file":
             return max(self._speeds()) > 0
-        return self.distance > 0 or (self.kind == "sine" and self.distance != 0)
+        return self.net_distance > 0 or (self.kind == "sine" and self.distance != 0)
 
     @property
     def retracts(self) -> bool:
         """Whether the piston is to move in somewhere."""
         if self.kind == "file":
             return min(self._speeds()) < 0
-        return self.distance < 0 or (self.kind == "sine" and self.distance != 0)
+        return self.net_distance < 0 or (self.kind == "sine" and self.distance != 0)
 
     def _speeds(self) -> list[float]:
         return [(b[1] - a[1]) / (b[0] - a[0]) for a, b in pairwise(self.samples)]

@@ -7,21 +7,30 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.params.estimator import place_estimator
 from mptune.params.packed import (
+    NO_ESTIMATOR,
     NO_PATH,
+    TRUE_SENSORS,
     FeedforwardTuple,
     ForceSettings,
     LoopGains,
     Machine,
     MeasurementPath,
     NominalPlant,
+    Sensors,
     SignalSettings,
+    StateEstimator,
 )
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
     from mptune.params.controller import Controller, Feedforward, Gains
+    from mptune.params.machine import SensorTruth
+    from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
+
+_REFERENCE_AHEAD = 3e-3  # s, by which the reference's motion is ahead of the machine's force
 
 
 def pack_gains(gains: Gains) -> LoopGains:
@@ -36,8 +45,56 @@ def pack_filters(controller: Controller) -> MeasurementPath:
     return MeasurementPath(sample_time, pole, controller.position_filter)
 
 
-def pack_feedforward(feedforward: Feedforward, sample_time: float) -> FeedforwardTuple:
-    """Return the feed-forward as a kernel tuple, its lags discretised at ``sample_time`` [s]."""
+def pack_estimator(study: ResolvedStudy) -> StateEstimator:
+    """Return the state estimator as a kernel tuple; ``NO_ESTIMATOR`` where filters are used.
+
+    Its mass is the least of the family where the study gives none: with more of it the loop at
+    F_ref loses its gain margin.
+    """
+    asked = study.study.estimator
+    if asked.kind == "filters":
+        return NO_ESTIMATOR
+    gains = place_estimator(asked.bandwidth, study.study.controller.fast_sampling_period)
+    mass = study.uncertainty.mass[0] if asked.mass is None else asked.mass
+    return StateEstimator(
+        mass, gains.position, gains.velocity, gains.load, float(asked.reference_injection)
+    )
+
+
+def pack_measured(study: ResolvedStudy) -> MeasurementPath:
+    """Return the measurement path as it runs: the filters', or the state estimator's."""
+    path, by = pack_filters(study.study.controller), pack_estimator(study)
+    if by.mass == 0:
+        return path
+    time = 1 / study.study.estimator.bandwidth
+    return MeasurementPath(path.sample_time, 0.0, time, by.mass, by.l_1, by.l_2, by.l_3)
+
+
+def force_noise(study: ResolvedStudy) -> float:
+    """Return the rms of the noise that both pressure sensors make of A_A p_A − A_B p_B [N]."""
+    cylinder = study.study.cylinder
+    return study.study.controller.pressure_noise * math.hypot(cylinder.area_a, cylinder.area_b)
+
+
+def pack_sensors(sensors: SensorTruth) -> Sensors:
+    """Return what is untrue about the sensors as a kernel tuple."""
+    return Sensors(
+        1 + sensors.pressure_gain_error_a,
+        1 + sensors.pressure_gain_error_b,
+        sensors.pressure_offset_a,
+        sensors.pressure_offset_b,
+        sensors.position_hysteresis,
+        sensors.position_resolution,
+    )
+
+
+def pack_feedforward(
+    feedforward: Feedforward, sample_time: float, masses: Range = (0.0, math.inf)
+) -> FeedforwardTuple:
+    """Return the feed-forward as a kernel tuple, its lags discretised at ``sample_time`` [s].
+
+    ``masses`` [kg] are the family's, within which a mass that is learnt on line stays.
+    """
 
     def pole(lag: float) -> float:
         return math.exp(-sample_time / lag) if lag > 0 else 0.0
@@ -46,6 +103,16 @@ def pack_feedforward(feedforward: Feedforward, sample_time: float) -> Feedforwar
         feedforward.acceleration_mass,
         pole(feedforward.reference_lag),
         pole(feedforward.velocity_reference_lag),
+        feedforward.preview,
+        float(feedforward.jerk),
+        feedforward.viscous_friction,
+        feedforward.coulomb_friction,
+        feedforward.friction_velocity,
+        float(feedforward.adaptive_mass),
+        masses[0] if feedforward.adaptive_mass else 0.0,
+        masses[1] if feedforward.adaptive_mass else 0.0,
+        pole(_REFERENCE_AHEAD) if feedforward.adaptive_mass else 0.0,
+        sample_time,
     )
 
 
@@ -152,8 +219,12 @@ def pack_force(study: ResolvedStudy) -> ForceSettings:
     )
 
 
-def pack_signals(controller: Controller) -> SignalSettings:
-    """Return filters, tolerances and noise as a kernel tuple."""
+def pack_signals(
+    controller: Controller,
+    estimator: StateEstimator = NO_ESTIMATOR,
+    sensors: Sensors = TRUE_SENSORS,
+) -> SignalSettings:
+    """Return filters or state estimator, tolerances, noise and sensors as a kernel tuple."""
     sample_time = controller.fast_sampling_period
 
     def pole(time_constant: float) -> float:
@@ -173,4 +244,6 @@ def pack_signals(controller: Controller) -> SignalSettings:
         position_noise=controller.position_noise,
         pressure_noise=controller.pressure_noise,
         converter_noise=controller.converter_noise,
+        estimator=estimator,
+        sensors=sensors,
     )

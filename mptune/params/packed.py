@@ -72,7 +72,11 @@ class MeasurementPath(NamedTuple):
 
     sample_time: float  # s, T_S,fast
     filter_pole: float  # -, pole of the discrete first-order filter
-    filter_time: float  # s, its time constant
+    filter_time: float  # s, its time constant; of a state estimator 1/ω_o
+    estimator_mass: float = 0.0  # kg, m̂ of a state estimator in the filter's and Eq. 23's place
+    l_1: float = 0.0  # -, its correction of position
+    l_2: float = 0.0  # 1/s, of velocity
+    l_3: float = 0.0  # 1/s², of load force over m̂
 
 
 class Machine(NamedTuple):
@@ -145,6 +149,31 @@ class ForceSettings(NamedTuple):
     rest_velocity: float  # m/s, below which a closed chamber counts as settled
 
 
+class StateEstimator(NamedTuple):
+    """The state estimator as it runs at T_S,fast; a mass of 0 stands for the paper's filters."""
+
+    mass: float  # kg, m̂
+    l_1: float  # -
+    l_2: float  # 1/s
+    l_3: float  # 1/s²
+    injected: float  # 1 where the reference is injected, else 0
+
+
+class Sensors(NamedTuple):
+    """What is untrue about the sensors beside their noise."""
+
+    gain_a: float  # -, 1 where true
+    gain_b: float
+    offset_a: float  # Pa
+    offset_b: float
+    hysteresis: float  # m, of the position sensor
+    quantum: float  # m, its resolution; 0 for none
+
+
+NO_ESTIMATOR = StateEstimator(0.0, 0.0, 0.0, 0.0, 0.0)
+TRUE_SENSORS = Sensors(1.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+
+
 class SignalSettings(NamedTuple):
     """Filters, tolerances and noise, §5.2 and Table 2."""
 
@@ -161,6 +190,8 @@ class SignalSettings(NamedTuple):
     position_noise: float
     pressure_noise: float
     converter_noise: float
+    estimator: StateEstimator = NO_ESTIMATOR
+    sensors: Sensors = TRUE_SENSORS
 
 
 class FeedforwardTuple(NamedTuple):
@@ -169,7 +200,18 @@ class FeedforwardTuple(NamedTuple):
     acceleration_mass: float  # kg
     reference_pole: float
     velocity_reference_pole: float
+    preview: float = 0.0  # s
+    jerk: float = 0.0  # 1 where the acceleration ahead comes from the jerk, else 0
+    viscous_friction: float = 0.0  # N s/m
+    coulomb_friction: float = 0.0  # N
+    friction_velocity: float = 1.0  # m/s, above 0
+    adaptive: float = 0.0  # 1 where the mass is learnt on line, else 0
+    mass_least: float = 0.0  # kg, bounds of a mass that is learnt
+    mass_largest: float = 0.0
+    regressor_pole: float = 0.0  # at T_S,fast, of the lag between reference and force
+    sample_time: float = 1.0  # s, T_S,fast
 
 
+NO_FEEDFORWARD = FeedforwardTuple(0.0, 0.0, 0.0)
 NO_PATH = MeasurementPath(0.0, 0.0, 0.0)
 NO_TABLE = np.zeros((0, 3))

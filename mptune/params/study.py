@@ -12,8 +12,9 @@ from pydantic import AfterValidator, Field, model_validator
 from mptune.params.campaign import Campaign
 from mptune.params.controller import Controller, Feedforward, Gains
 from mptune.params.doubts import Doubt
+from mptune.params.estimator import Estimator
 from mptune.params.identification import Identification
-from mptune.params.machine import Cylinder, Hose, Load, Oil, Supplies, Valves
+from mptune.params.machine import Cylinder, Hose, Load, Oil, SensorTruth, Supplies, Valves
 from mptune.params.manoeuvre import Manoeuvre, Verification
 from mptune.params.requirements import Objective, Requirements
 from mptune.params.section import Range, Section, refuse
@@ -62,7 +63,9 @@ class Study(Summarised, Section):
     valves: Valves
     supplies: Supplies
     load: Load
+    sensors: SensorTruth = SensorTruth()
     controller: Controller
+    estimator: Estimator = Estimator()
     uncertainty: Uncertainty
     model: Model = Model()
     gains: Gains
@@ -90,6 +93,16 @@ class Study(Summarised, Section):
                         "shorten the move or change verification.start",
                     )
             position += move.net_distance
+        return self
+
+    @model_validator(mode="after")
+    def _no_filters_beside_an_estimator(self) -> Self:
+        if self.estimator.kind == "state" and self.model.measurement_path == "filters":
+            refuse(
+                'has model.measurement_path = "filters" with a state estimator, around which no '
+                "velocity loop separates",
+                'set model.measurement_path = "none"; requirements then rest on F_ref',
+            )
         return self
 
     @property

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.errors import Fault, InputError
 from mptune.loops.broken import loop_around
 from mptune.loops.sampled import coefficient_count, sampled_loop, sampled_plant
 from mptune.loops.velocity import plant_at
@@ -14,7 +15,7 @@ if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray
     from mptune.loops.family import FamilyLoops
     from mptune.params.packed import LoopGains, MeasurementPath
-    from mptune.robust.measured import ForceResponse
+    from mptune.robust.measured import ForceResponse, Members
 
 
 def loop_as_it_runs(omega: FloatArray, loops: FamilyLoops, period: float) -> ComplexArray:
@@ -38,4 +39,25 @@ def loop_around_measured(
     ``which`` is ``VELOCITY``, ``POSITION`` or ``FORCE``; NaN outside the measured band.
     """
     s = np.asarray(1j * omega, np.complex128)
-    return np.asarray(loop_around(which, s, response.at(omega) / (mass * s), gains, path))
+    return np.asarray(loop_around(which, s, response.at(omega) / (mass * s), mass, gains, path))
+
+
+def named_response(members: Members | None, name: str) -> ForceResponse:
+    """Return a measured response by its name.
+
+    Raises
+    ------
+    InputError
+        If none has it.
+    """
+    responses = members.responses if members else ()
+    for one in responses:
+        if one.name == name:
+            return one
+    known = ", ".join(one.name for one in responses) or "none was measured"
+    raise no_loop("plant", name, known)
+
+
+def no_loop(key: str, value: str | None, remedy: str) -> InputError:
+    """Return the refusal of a loop that the model does not have."""
+    return InputError("to_control", Fault(key, repr(value), "names no loop of the model", remedy))

@@ -33,7 +33,7 @@ RADII = {  # key in JSON, and what fails
     "equation_17": "equation_17",
     "equation_21": "equation_21",
     "true": "none",
-    "with_path": "filters",
+    "with_path": "filters",  # or the state estimator
     "sampled": "sampled",
 }
 
@@ -119,14 +119,14 @@ def certify(model: LinearModel, gains: LoopGains) -> Certificates | None:
     if model.members is not None and model.members.instead:
         return None
     problem = replace(BoxedLoop.of(model.study), gains=gains)
-    paths = ("none", "filters", *(("sampled",) if model.runs else ()))
+    paths = (*model.paths, *(("sampled",) if model.runs else ()))
     named = [(loop, model.path_name, equation) for loop, equation in EQUATION_OF.items()]
     named += [
         (loop, path, peak)
         for loop in ("velocity", "position", "force_reference")
         for path in paths
         for peak in PEAKS
-        if path != "sampled" or loop == "force_reference"
+        if path not in {"estimator", "sampled"} or loop == "force_reference"
     ]
     named += [("force_reference", path, "disk_margin") for path in paths]
     named += [("force_reference", path, "peak_compliance") for path in paths if path == "sampled"]
@@ -143,7 +143,8 @@ def radii_of(certificates: Certificates, path: str, tolerance: float = 1e-2) -> 
     """
     problem = certificates.problem
     wanted = [name for name in RADII if name != "sampled" or problem.holds_sampled]
-    return {name: radius(problem, RADII[name], path=path, tolerance=tolerance) for name in wanted}
+    fails = RADII | {"with_path": problem.measured}
+    return {name: radius(problem, fails[name], path=path, tolerance=tolerance) for name in wanted}
 
 
 def against(problem: BoxedLoop, found: Bound, limit: float) -> tuple[Bound, Grounds]:

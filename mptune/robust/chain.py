@@ -38,7 +38,11 @@ LARGEST, SMALLEST = 64.0, 1 / 64.0  # factors beyond which nothing is searched
 GAIN_RESERVE = 1.1  # a factor below it is no reserve: a verdict rests on it
 _STEPS = 30  # of a bisection
 _FINEST = 1e-4  # relative width of a bracket that lies across the reserve
-_NAMES = {"none": "true family", "filters": "with measurement path"}
+_NAMES = {
+    "none": "true family",
+    "filters": "with measurement path",
+    "estimator": "with state estimator",
+}
 _DENSE = 3  # first grids laid into one another: the search does not refine
 
 

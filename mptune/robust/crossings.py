@@ -47,7 +47,8 @@ def gain_at(
         return sampled_loop(s, plant.sampled, gains, plant.period)
     if len(plant.omega) > 0:
         force = _between(omega, plant.omega, plant.force)
-        return loop_around(which, s, force / (plant.true.mass * s), gains, path)
+        mass = plant.true.mass
+        return loop_around(which, s, force / (mass * s), mass, gains, path)
     return loop_gain(which, s, plant.true, gains, path)
 
 

@@ -11,7 +11,6 @@ from typing import TYPE_CHECKING
 
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.loops.stability import count_unstable_poles
-from mptune.robust.model import PATHS
 
 if TYPE_CHECKING:
     from mptune.robust.result import SweepResult
@@ -26,7 +25,7 @@ class Encirclements:
     loop
         ``VELOCITY`` or ``FORCE``.
     path
-        ``"none"`` or ``"filters"``.
+        ``"none"``, ``"filters"`` or ``"estimator"``.
     nominal, worst
         Poles with the nominal plant, and with the plant that is worst in the loop's condition;
         None where that is a measured member.
@@ -51,7 +50,13 @@ def encirclements(result: SweepResult) -> tuple[Encirclements, ...]:
 
     The velocity loop's worst plant is Eq. 17's, the loop's at F_ref Eq. 21's.
     """
-    return tuple(_counted(result, loop, path) for loop in (VELOCITY, FORCE) for path in PATHS)
+    paths = result.model.paths
+    return tuple(
+        _counted(result, loop, path)
+        for loop in (VELOCITY, FORCE)
+        for path in paths
+        if loop == FORCE or path != "estimator"  # no velocity loop separates from it
+    )
 
 
 def _counted(result: SweepResult, loop: int, name: str) -> Encirclements:

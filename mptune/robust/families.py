@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 
 def true_family(model: LinearModel, gains: LoopGains, path: str, omega: FloatArray) -> Family:
-    """Return stability and margins of the true family with the path ``"none"`` or ``"filters"``.
+    """Return stability and margins of the true family with one of the model's continuous paths.
 
     Where measured members stand instead of the box, the box's plants are not asked: what lies
     beyond the measured band then rests on the loop being small at its end.
@@ -81,6 +81,8 @@ def _part(
 ) -> Family:
     velocity, whole = counts
     unstable = np.stack([~velocity.stable, ~whole.stable, ~whole.stable])
+    if name == "estimator":  # no velocity loop separates: there is but the loop at F_ref
+        velocity, unstable[:2] = whole, True
     masked = Margins(*(frozen(np.where(unstable, np.nan, figure)) for figure in margins))
     return Family(
         path=name,

@@ -46,7 +46,8 @@ class Family(Summarised):
     Attributes
     ----------
     path
-        ``"none"``, ``"filters"``, or ``"sampled"`` for the loop as it runs.
+        ``"none"``, ``"filters"`` or ``"estimator"``, or ``"sampled"`` for the loop as it runs; of
+        the last two there is but the loop at F_ref.
     plants
         The box's plants, then the measured members; those alone where they stand instead.
     velocity_stable, stable
@@ -133,7 +134,7 @@ class Family(Summarised):
         }
         sampled = self.path == "sampled"
         for loop, name in enumerate(f"{name}_loop" for name in NAMES):
-            if sampled and loop != FORCE:
+            if loop != FORCE and self.path in {"estimator", "sampled"}:
                 continue
             values[name] = {}
             for figure in MARGINS:

@@ -14,6 +14,7 @@ import numpy as np
 
 from mptune.arrays import ComplexArray, FloatArray, kernel, parallel_kernel
 from mptune.loops.broken import FORCE, SAMPLED
+from mptune.loops.estimated import half_rate
 from mptune.loops.sampled import (
     SampledPlant,
     coefficient_count,
@@ -69,6 +70,8 @@ def family_margins(omega: FloatArray, loops: FamilyLoops) -> Margins:
     shortest = max(float(loops.plants.delay.min()), _SHORTEST_DELAY)
     beyond = max(float(omega[-1]), 2 * np.pi / shortest)
     wide = np.union1d(omega, np.geomspace(omega[-1], beyond, _BEYOND))
+    if loops.path.estimator_mass > 0:  # taken up to half the fast rate
+        wide = wide[wide <= half_rate(loops.path)]
     table = _family_margins(wide, loops.plants, loops.gains, loops.path)
     return Margins(*np.moveaxis(table, 2, 0))
 
@@ -79,7 +82,7 @@ def _family_margins(
 ) -> FloatArray:
     count = len(plants.mass)
     table = np.empty((3, count, 14))
-    sampled = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, 0.0)
+    sampled = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, np.empty(0))
     for n in numba.prange(count):
         none = np.empty(0), np.empty(0, np.complex128)
         plant = JudgedPlant(plant_at(plants, n), sampled, 0.0, none[0], none[1])
@@ -137,7 +140,7 @@ def measured_margins(
 def _measured_margins(
     omega: FloatArray, force: ComplexArray, mass: float, gains: LoopGains, path: MeasurementPath
 ) -> FloatArray:
-    sampled = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, 0.0)
+    sampled = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, np.empty(0))
     plant = JudgedPlant(Plant(mass, 0.0, 0.0, 0.0, 0.5), sampled, 0.0, omega, force)
     table = np.empty((3, 14))
     for which in range(3):

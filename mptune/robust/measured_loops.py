@@ -47,7 +47,7 @@ def _loops(
 ) -> ComplexArray:
     values = np.empty(len(s), np.complex128)
     for k in range(len(s)):
-        values[k] = loop_around(which, s[k], force[k] / (mass * s[k]), gains, path)
+        values[k] = loop_around(which, s[k], force[k] / (mass * s[k]), mass, gains, path)
     return values
 
 

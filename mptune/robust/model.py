@@ -8,13 +8,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.errors import Fault, InputError
 from mptune.interop import frequency_response
 from mptune.loops.broken import FORCE, NAMES
 from mptune.loops.family import FamilyLoops, nominal_plants, plants_of
-from mptune.params.pack import pack_filters, pack_gains, pack_nominal, pack_path
+from mptune.params.pack import pack_gains, pack_measured, pack_nominal, pack_path
 from mptune.params.packed import NO_PATH, LoopGains, MeasurementPath, NominalPlant, Plants
-from mptune.robust.at_plant import loop_around_measured, loop_as_it_runs
+from mptune.robust.at_plant import loop_around_measured, loop_as_it_runs, named_response, no_loop
 from mptune.robust.condition import Sides, nominal_loops, sides
 from mptune.robust.curves import loop_curves
 from mptune.robust.delays import at_same_share, corners_of, joined
@@ -30,10 +29,9 @@ if TYPE_CHECKING:
     from mptune.params.controller import Gains
     from mptune.params.requirements import RatioCurve, Requirements
     from mptune.params.study import ResolvedStudy
-    from mptune.robust.measured import ForceResponse
 
 PATHS = ("none", "filters")
-"""Measurement paths of the continuous loops; the third, ``"sampled"``, is the loop as it runs."""
+"""Paths of continuous loops; ``"estimator"`` stands in the filters' place, ``"sampled"`` runs."""
 
 
 @dataclass(frozen=True, repr=False)
@@ -54,7 +52,7 @@ class LinearModel(Summarised):
     path
         Measurement path that the study's inequalities include.
     filters
-        Measurement path as it runs.
+        Measurement path as it runs: the filters', or the state estimator's in their place.
     period
         T_S [s].
     """
@@ -77,7 +75,7 @@ class LinearModel(Summarised):
             explicit=plants_of(study, explicit=True),
             members=members_of(study, lumped),
             path=pack_path(study),
-            filters=pack_filters(study.study.controller),
+            filters=pack_measured(study),
             period=study.study.controller.sampling_period,
         )
 
@@ -127,6 +125,25 @@ class LinearModel(Summarised):
         return "none" if self.path == NO_PATH else "filters"
 
     @property
+    def estimated(self) -> bool:
+        """Whether a state estimator stands in the filters' place."""
+        return self.filters.estimator_mass > 0
+
+    @property
+    def paths(self) -> tuple[str, str]:
+        """The continuous loops' paths: ``"none"``, and what measures, as it runs."""
+        return "none", "estimator" if self.estimated else "filters"
+
+    @property
+    def judged_path(self) -> str:
+        """The path on which the continuous loops' requirements rest.
+
+        It is that of the inequalities but with a state estimator, around which no velocity loop
+        separates: then the loop at F_ref is asked, and Eq. 17 and Eq. 21 are information.
+        """
+        return "estimator" if self.estimated else self.path_name
+
+    @property
     def runs(self) -> bool:
         """Whether every delay leaves room for the hold, so that there is a sampled loop."""
         return bool(self.explicit.delay.min() >= self.period / 2)
@@ -142,8 +159,8 @@ class LinearModel(Summarised):
         return self.members.names if self.members else ()
 
     def path_of(self, name: str) -> MeasurementPath:
-        """Return the measurement path ``"none"`` or ``"filters"``."""
-        return {"none": NO_PATH, "filters": self.filters}[name]
+        """Return one of the study's own ``paths``."""
+        return dict(zip(self.paths, (NO_PATH, self.filters), strict=True))[name]
 
     def loops(
         self,
@@ -238,7 +255,7 @@ class LinearModel(Summarised):
         loop
             Where it is broken: ``"velocity"``, ``"position"`` or ``"force"`` (at F_ref).
         path
-            Measurement path ``"none"`` or ``"filters"``, that of the study's inequalities where
+            Measurement path, one of the study's ``paths``, that of the study's inequalities where
             None, or ``"sampled"`` for the loop at F_ref as it runs, in sampled time.
         plant
             A plant of the family, a measured one included, with the delay that it has; the
@@ -252,9 +269,9 @@ class LinearModel(Summarised):
             If there is no such loop or path, or python-control is not installed.
         """
         if loop not in NAMES:
-            raise _no_loop("loop", loop, f"choose {', '.join(NAMES)}")
-        if path not in {None, *PATHS, "sampled"}:
-            raise _no_loop("path", path, f"choose {', '.join(PATHS)} or sampled")
+            raise no_loop("loop", loop, f"choose {', '.join(NAMES)}")
+        if path not in {None, *self.paths, "sampled"}:
+            raise no_loop("path", path, f"choose {', '.join(self.paths)} or sampled")
         packed = self.loops(self.gains if gains is None else gains).gains
         grid = self._grid(packed, plant, omega)
         name = f"{loop} loop of {self.study.name}"
@@ -266,7 +283,7 @@ class LinearModel(Summarised):
         along = self.path if path is None else self.path_of(path)
         which = NAMES.index(loop)
         if plant is not None and plant.response is not None:
-            measured = self._response(plant.response)
+            measured = named_response(self.members, plant.response)
             values = loop_around_measured(which, grid, measured, plant.mass_kg, packed, along)
         else:
             values = loop_curves(which, grid, self._one(packed, along, plant))[0]
@@ -288,33 +305,21 @@ class LinearModel(Summarised):
         if omega is not None:
             return np.asarray(omega, np.float64)
         if plant is not None and plant.response is not None:
-            return self._response(plant.response).omega
+            return named_response(self.members, plant.response).omega
         return first_grid(*frequency_range(self.plants, self.nominal, gains))
-
-    def _response(self, name: str) -> ForceResponse:
-        responses = self.members.responses if self.members else ()
-        for one in responses:
-            if one.name == name:
-                return one
-        known = ", ".join(one.name for one in responses) or "none was measured"
-        raise _no_loop("plant", name, known)
 
     def _as_it_runs_at(
         self, omega: FloatArray, gains: LoopGains, loop: str, plant: PlantPoint | None
     ) -> ComplexArray:
         if loop != "force" or (plant is not None and plant.response is not None):
             remedy = 'ask loop="force" of a plant of the box, or another path'
-            raise _no_loop("path", "sampled", remedy)
+            raise no_loop("path", "sampled", remedy)
         one = self._one(gains, self.filters, plant)
         if one.plants.delay[0] < self.period / 2:
             remedy = f"it needs a total delay of at least {self.period / 2:g} s"
-            raise _no_loop("path", "sampled", remedy)
+            raise no_loop("path", "sampled", remedy)
         return loop_as_it_runs(omega, one, self.period)
 
     def corners(self) -> IntArray:
         """Return the plants with the least or largest mass, all lags smallest or all largest."""
         return corners_of(self.lumped, self.explicit)
-
-
-def _no_loop(key: str, value: str | None, remedy: str) -> InputError:
-    return InputError("to_control", Fault(key, repr(value), "names no loop of the model", remedy))

@@ -69,6 +69,8 @@ class Condition(Summarised):
         its place.
     grounds
         What the status rests on.
+    binding
+        Whether the verdict rests on it; False with a state estimator, for which it is information.
     low_frequency_limit
         The worst ratio is the limit of vanishing frequency, |m_min/m − 1|, which no gain changes.
     nominal_stable, poles_equal
@@ -92,6 +94,7 @@ class Condition(Summarised):
     status: Status
     certified: Bound | None = None
     grounds: Grounds = Grounds.GRID
+    binding: bool = True
 
     @property
     def headline(self) -> str:
@@ -129,6 +132,7 @@ class Condition(Summarised):
             "at": self.at.values(),
             "certified": bound_json(self.certified) if self.certified else None,
             "grounds": self.grounds.value,
+            "binding": self.binding,
         }
 
 
@@ -208,6 +212,7 @@ class SweepResult(Summarised, Drawn, Labelled):
     noise_gain: float  # N/m, rms of F_ref per rms of position noise
     checks: tuple[Check, ...]
     certificates: Certificates | None = None
+    noise_force: float = float("nan")  # N, rms of F_ref that all sensors' noise makes
 
     @property
     def study(self) -> ResolvedStudy:
@@ -247,7 +252,7 @@ class SweepResult(Summarised, Drawn, Labelled):
         Parameters
         ----------
         path
-            ``"none"``, ``"filters"``, or ``"sampled"`` for the loop as it runs.
+            ``"none"``, ``"filters"`` or ``"estimator"``, or ``"sampled"`` for the loop as it runs.
 
         Raises
         ------
@@ -300,6 +305,7 @@ class SweepResult(Summarised, Drawn, Labelled):
             values["true_family"]["sampled"] = self.sampled.json()
         values |= self.certificates.json() if self.certificates else {"bounds": []}
         values["noise_gain_n_per_m"] = finite(self.noise_gain)
+        values["noise_force_n"] = finite(self.noise_force)
         values["requirements"] = [check.json() for check in self.checks]
         values["satisfied"] = self.satisfied
         tau_a, tau_b = derived_time_constants(self.study)  # Eq. 4 and 12, beside the set's own

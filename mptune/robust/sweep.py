@@ -10,8 +10,9 @@ import numpy as np
 from mptune.arrays import FloatArray, frozen
 from mptune.certify.result import Grounds, Stability
 from mptune.loops.broken import FORCE, VELOCITY
-from mptune.loops.noise import noise_gain
+from mptune.loops.noise import noise_force, noise_gain
 from mptune.loops.stability import PoleCount, count_unstable_poles
+from mptune.params.pack import force_noise
 from mptune.robust.certificates import (
     EQUATION_OF,
     Certificates,
@@ -25,7 +26,7 @@ from mptune.robust.condition import Sides
 from mptune.robust.demands import running_checks
 from mptune.robust.families import as_sampled, true_family
 from mptune.robust.grid import first_grid, frequency_range, refinement
-from mptune.robust.model import PATHS, LinearModel
+from mptune.robust.model import LinearModel
 from mptune.robust.result import Condition, Status, SweepResult
 from mptune.robust.verdict import allowed_ratio, check_requirements
 
@@ -68,12 +69,13 @@ def sweep(
     gains = gains or model.study.study.gains
     packed = model.loops(gains).gains
     omega, found, converged = _refined_sides(model, packed)
-    families = tuple(true_family(model, packed, path, omega) for path in PATHS)
-    true = next(family for family in families if model.path_of(family.path) == model.path)
+    families = tuple(true_family(model, packed, path, omega) for path in model.paths)
+    by_path = {family.path: family for family in families}
+    true, of_equations = by_path[model.judged_path], by_path[model.path_name]
     sampled = as_sampled(model, packed, omega)
-    noise = noise_gain(packed, model.filters)
+    noise, study_noise = noise_gain(packed, model.filters), model.study.study.controller
     proofs = certify(model, packed)
-    premises = _premises(model, packed, true, proofs)
+    premises = _premises(model, packed, of_equations, proofs)
     conditions = _conditions(model, omega, found, converged, premises, proofs)
     ahead = feedforward or model.study.study.feedforward
     checks = check_requirements(model, conditions, true, sampled, noise, proofs)
@@ -86,6 +88,9 @@ def sweep(
         families=families,
         sampled=sampled,
         noise_gain=noise,
+        noise_force=noise_force(
+            packed, model.filters, study_noise.position_noise, force_noise(model.study)
+        ),
         checks=checks + running_checks(model, packed, ahead, proofs),
         certificates=proofs,
     )
@@ -252,6 +257,7 @@ def _conditions(
                 poles_equal=premise.equal,
                 status=status,
                 certified=certified,
+                binding=not model.estimated,
                 grounds=grounds if certified is None or model.members is None else Grounds.GRID,
             )
         )

@@ -69,6 +69,7 @@ def check_requirements(
     checks = [
         _ratio_check(condition, limit)
         for condition, limit in zip(conditions, model.limits, strict=True)
+        if condition.binding
     ]
     checks.append(_stability_check(true, proofs))
     for key, family, margin in _MARGIN_CHECKS:

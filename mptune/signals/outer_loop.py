@@ -2,29 +2,42 @@
 
 ::
 
-    F_ref = K_P,vel (v_ref + G_P (x_ref − x_f) − v_f) + m̂ a_ref
+    F_ref = K_P,vel (v_ref + G_P (x_ref − x_f) − v_f)
+            + m_ff a_ref(t + t_p) + b v_ref + F_C v_ref/√(v_ref² + v_s²)
 
-x_f is the filtered position and v_f its Eq. 23 derivative; x_ref and v_ref may pass a lag of their
-own at T_S,fast. The integrator stands still inside the dead zone, and where the force reference is
-at a limit that it would go further beyond. Nonlinear machine and linear run share these kernels;
-the exported controller says the same in C, bit for bit.
+x_f is the filtered position and v_f its Eq. 23 derivative, or both a state estimator's; x_ref and
+v_ref may pass a lag of their own at T_S,fast. Where the reference's future is not known, a_ref is
+fed t_p ahead as a_ref + t_p j_ref, which has the same mean. Friction's sign is smoothed by a root,
+which every target has bit for bit, where a hyperbolic tangent is each library's own. The integrator
+stands still inside the dead zone, and where the force reference is at a limit that it would go
+further beyond. Nonlinear machine and linear run share these kernels; the exported controller says
+the same in C, bit for bit.
 """
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mptune.arrays import FloatArray, kernel
+from mptune.signals.adaptive_mass import fed_mass
+from mptune.signals.states import (
+    FORCE,
+    INTEGRAL,
+    LAG_1,
+    LAG_2,
+    LAST_ERROR,
+    REFERENCE,
+    VELOCITY_REFERENCE,
+)
+from mptune.signals.trajectory import jerk, reference
 from mptune.signals.tustin import DiscreteController, discretise
 
 if TYPE_CHECKING:
     from mptune.params.packed import FeedforwardTuple, LoopGains
 
-# Places in the loops' state, each in SI: what Eq. 22 carries on, lagged references, and F_ref.
-LAG_1, LAG_2, INTEGRAL, LAST_ERROR, REFERENCE, VELOCITY_REFERENCE, FORCE = range(7)
-OUTER_STATES = 7
 NO_LIMITS = (-np.inf, np.inf)
 
 
@@ -65,6 +78,19 @@ def outer_law(
 
 
 @kernel
+def acceleration_ahead(time: float, pieces: FloatArray, ahead: FeedforwardTuple) -> float:
+    """Return the acceleration that is fed forward [m/s²]: a_ref(t + t_p), or from a_ref and j_ref.
+
+    ``time`` [s] and ``pieces`` ``(P, 7)`` as of ``mptune.signals.trajectory.reference``.
+    """
+    if ahead.jerk > 0:
+        now: float = reference(time, pieces)[2]
+        return now + ahead.preview * jerk(time, pieces)
+    later: float = reference(time + ahead.preview, pieces)[2]
+    return later
+
+
+@kernel
 def lag_references(state: FloatArray, law: OuterLaw, position: float, velocity: float) -> None:
     """Pass x_ref [m] and v_ref [m/s] through their lags, once per T_S,fast."""
     ahead = law.ahead
@@ -72,6 +98,14 @@ def lag_references(state: FloatArray, law: OuterLaw, position: float, velocity: 
     state[VELOCITY_REFERENCE] += (1 - ahead.velocity_reference_pole) * (
         velocity - state[VELOCITY_REFERENCE]
     )
+
+
+@kernel
+def friction_ahead(velocity: float, ahead: FeedforwardTuple) -> float:
+    """Return the friction that is fed forward at a velocity reference [m/s], in N."""
+    turn = ahead.friction_velocity
+    sign = velocity / math.sqrt(velocity * velocity + turn * turn)
+    return ahead.viscous_friction * velocity + ahead.coulomb_friction * sign
 
 
 @kernel
@@ -83,13 +117,13 @@ def force_reference(
     Parameters
     ----------
     state
-        ``(7,)``; carried on in place.
+        ``(OUTER_STATES,)`` of ``mptune.signals.states``; carried on in place.
     law
         The loops' constants.
     position, velocity
-        As measured: filtered, and by Eq. 23 [m], [m/s].
+        As measured: filtered, and by Eq. 23, or as estimated [m], [m/s].
     acceleration
-        a_ref [m/s²].
+        What is fed forward of a_ref, see ``acceleration_ahead`` [m/s²].
     """
     tustin = law.position
     error = state[REFERENCE] - position
@@ -101,7 +135,8 @@ def force_reference(
         gained = 0.0
     state[LAST_ERROR] = error
     wanted = state[VELOCITY_REFERENCE] + shaped + state[INTEGRAL] - velocity
-    force = law.k_p_vel * (wanted + gained) + law.ahead.acceleration_mass * acceleration  # Eq. 18
+    force = law.k_p_vel * (wanted + gained) + fed_mass(state, law.ahead) * acceleration  # Eq. 18
+    force += friction_ahead(state[VELOCITY_REFERENCE], law.ahead)
     winds_up = (force > law.largest and gained > 0) or (force < law.least and gained < 0)
     if not winds_up:
         state[INTEGRAL] += gained

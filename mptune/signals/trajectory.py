@@ -16,6 +16,28 @@ _PIECES_PER_CYCLE = 48  # of a sine: the position's error is then below 1e-8 of 
 
 
 @kernel
+def piece_at(time: float, pieces: FloatArray) -> int:
+    """Return the number of the last piece that has begun at a time [s]; 0 before the first."""
+    low, high = 0, len(pieces) - 1
+    while low < high:
+        middle = (low + high + 1) // 2
+        if pieces[middle, 0] <= time:
+            low = middle
+        else:
+            high = middle - 1
+    return low
+
+
+@kernel
+def jerk(time: float, pieces: FloatArray) -> float:
+    """Return the third derivative of the position at a time; as of ``reference`` [m/s³]."""
+    low = piece_at(time, pieces)
+    t = max(time - pieces[low, 0], 0.0)
+    found: float = 6 * pieces[low, 4] + t * (24 * pieces[low, 5] + t * 60 * pieces[low, 6])
+    return found
+
+
+@kernel
 def reference(time: float, pieces: FloatArray) -> tuple[float, float, float]:
     """Return position, velocity and acceleration at a time.
 
@@ -26,13 +48,7 @@ def reference(time: float, pieces: FloatArray) -> tuple[float, float, float]:
     pieces
         ``(P, 7)`` begin [s] and coefficients c_0 [m] to c_5 [m/s⁵], begins rising.
     """
-    low, high = 0, len(pieces) - 1
-    while low < high:  # the last piece that has begun
-        middle = (low + high + 1) // 2
-        if pieces[middle, 0] <= time:
-            low = middle
-        else:
-            high = middle - 1
+    low = piece_at(time, pieces)
     t = max(time - pieces[low, 0], 0.0)
     c0, c1, c2 = pieces[low, 1], pieces[low, 2], pieces[low, 3]
     c3, c4, c5 = pieces[low, 4], pieces[low, 5], pieces[low, 6]

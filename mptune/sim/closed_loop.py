@@ -1,12 +1,15 @@
 """The closed loop tick by tick: machine, valves, sensors, filters, outer loops, force controller.
 
-A tick is T_S,fast. Sensors are sampled and filtered at each; the outer loops and the force
-controller run at every T_S / T_S,fast-th. Between ticks the machine is integrated.
+A tick is T_S,fast. Sensors are sampled and filtered at each, and a state estimator, where there
+is one in the filters' place, is carried on; the outer loops and the force controller run at every
+T_S / T_S,fast-th. Between ticks the machine is integrated.
 """
 
 from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
+
+import numpy as np
 
 from mptune.arrays import FloatArray, IntArray, kernel
 from mptune.force.cost import force_limits, supply_pressures
@@ -15,21 +18,27 @@ from mptune.force.stop import stopped
 from mptune.plant.machine import CONVERTER, OIL, PRESSURE_A, PRESSURE_B, V, X
 from mptune.plant.supplies import accumulator_pressure
 from mptune.plant.valve import ValveState, command
+from mptune.signals.adaptive_mass import fed_mass, learn_mass
 from mptune.signals.conditioning import backlash, median_of_three
 from mptune.signals.differentiator import differentiated, remember
+from mptune.signals.estimator import estimate
 from mptune.signals.outer_loop import (
-    FORCE,
-    OUTER_STATES,
+    acceleration_ahead,
     force_reference,
     lag_references,
     outer_law,
+)
+from mptune.signals.states import (
+    FORCE,
+    LAST_VELOCITY_REFERENCE,
+    OUTER_STATES,
+    POSITION_HEARD,
+    VELOCITY_HEARD,
 )
 from mptune.signals.trajectory import reference
 from mptune.sim.integrator import integrate, new_work
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from mptune.force.search_space import SearchSpace
     from mptune.params.packed import (
         FeedforwardTuple,
@@ -59,11 +68,14 @@ SIGNALS = 9
     _,
     _,
     HIGH_PRESSURE,
-) = range(15)
-COLUMNS = 15
+    FED_MASS,
+) = range(16)
+COLUMNS = 16
 # Places in ``Memory.outer`` behind the outer loops' own: whether the stop logic holds the valves
-# shut, and whether the pump runs. An array more in ``Memory`` costs a tenth of the speed.
-STOPPED, PUMPING = OUTER_STATES, OUTER_STATES + 1
+# shut, whether the pump runs, and where the position sensor's hysteresis stands. An array more in
+# ``Memory`` costs a tenth of the speed.
+STOPPED, PUMPING, SENSED = range(OUTER_STATES, OUTER_STATES + 3)
+OUTER_PLACES = OUTER_STATES + 3
 
 
 class Delays(NamedTuple):
@@ -84,7 +96,7 @@ class Memory(NamedTuple):
     filtered: FloatArray  # (9,)
     history: FloatArray  # (6,) filtered positions, newest first
     converters: FloatArray  # (4,) behind the backlash
-    outer: FloatArray  # (9,) of the outer loops, and two of 0 or 1
+    outer: FloatArray  # (OUTER_PLACES,) of the outer loops, and those above
     choice: IntArray  # (2,) valve states of A and B
 
 
@@ -105,7 +117,7 @@ def run_ticks(
     random: np.random.Generator,
     trace: FloatArray,
 ) -> None:
-    """Run the closed loop over one movement set and fill ``trace`` ``(T, 15)``.
+    """Run the closed loop over one movement set and fill ``trace`` ``(T, 16)``.
 
     Parameters
     ----------
@@ -128,14 +140,16 @@ def run_ticks(
     work = new_work(memory.valves)
     for tick in range(len(trace)):
         now = begin + tick * tick_time
-        step, v_ref, a_ref = reference(tick * tick_time, pieces)
+        step, v_ref, _ = reference(tick * tick_time, pieces)
         x_ref = start + step
         lag_references(outer, law, x_ref, v_ref)
-        _measure(memory, machine, signals, random)
+        _measure(memory, machine, signals, settings, law, v_ref, random)
         if tick % signals.ticks == 0:
-            _control(memory, x_ref, v_ref, a_ref, law, signals, settings, space)
+            fed = acceleration_ahead(tick * tick_time, pieces, ahead)
+            _control(memory, x_ref, v_ref, fed, law, signals, settings, space)
             _switch(memory, space, now, delays, random)
         _record(trace[tick], memory, x_ref, v_ref, machine)
+        trace[tick, FED_MASS] = fed_mass(outer, ahead)
         high = accumulator_pressure(memory.state[OIL], machine)
         if high < machine.pump_on:
             outer[PUMPING] = 1.0
@@ -148,16 +162,39 @@ def run_ticks(
 
 
 @kernel
-def _measure(
-    memory: Memory, machine: Machine, signals: SignalSettings, random: np.random.Generator
+def _sensed_position(memory: Memory, signals: SignalSettings) -> float:
+    """Return where the position sensor's hysteresis stands [m]."""
+    hysteresis = signals.sensors.hysteresis
+    place: float = memory.state[X]
+    if hysteresis > 0:
+        place = backlash(memory.outer[SENSED], place, hysteresis)
+        memory.outer[SENSED] = place
+    return place
+
+
+@kernel
+def _measure(  # noqa: C901 - one signal after another, in one loop for speed
+    memory: Memory,
+    machine: Machine,
+    signals: SignalSettings,
+    settings: ForceSettings,
+    law: OuterLaw,
+    v_ref: float,
+    random: np.random.Generator,
 ) -> None:
     """Sample every sensor, take the median of three, filter; then backlash and history."""
-    state = memory.state
+    state, sensors = memory.state, signals.sensors
+    place, force = 0.0, 0.0  # of the medians
     for i in range(SIGNALS):
         if i == 0:
-            value, noise, pole = state[X], signals.position_noise, signals.position_pole
-        elif i <= 2:
-            value, noise, pole = state[i + 1], signals.pressure_noise, signals.pressure_pole
+            value, noise = _sensed_position(memory, signals), signals.position_noise
+            pole = signals.position_pole
+        elif i == 1:
+            value = sensors.gain_a * state[PRESSURE_A] + sensors.offset_a
+            noise, pole = signals.pressure_noise, signals.pressure_pole
+        elif i == 2:
+            value = sensors.gain_b * state[PRESSURE_B] + sensors.offset_b
+            noise, pole = signals.pressure_noise, signals.pressure_pole
         elif i == 3:
             value = accumulator_pressure(state[OIL], machine)
             noise, pole = signals.pressure_noise, signals.supply_pole
@@ -168,15 +205,42 @@ def _measure(
             value, noise = state[CONVERTER + i - 5], signals.converter_noise
             pole = signals.supply_pole
         sample = value + noise * random.standard_normal()
+        if i == 0 and sensors.quantum > 0:
+            sample = sensors.quantum * np.rint(sample / sensors.quantum)
         middle = median_of_three(sample, memory.raw[0, i], memory.raw[1, i])
         memory.raw[1, i] = memory.raw[0, i]
         memory.raw[0, i] = sample
         memory.filtered[i] = pole * memory.filtered[i] + (1 - pole) * middle
+        if i == 0:
+            place = middle
+        elif i == 1:
+            force = settings.area_a * middle
+        elif i == 2:
+            force -= settings.area_b * middle
     for i in range(4):
         memory.converters[i] = backlash(
             memory.converters[i], memory.filtered[5 + i], signals.backlash
         )
     remember(memory.history, memory.filtered[0])
+    know_load(memory.outer, law.ahead, signals, place, force, v_ref)
+
+
+@kernel
+def know_load(
+    outer: FloatArray,
+    ahead: FeedforwardTuple,
+    signals: SignalSettings,
+    position: float,
+    force: float,
+    v_ref: float,
+) -> None:
+    """Carry on what hears the force: the state estimator, and the mass that is learnt."""
+    by = signals.estimator
+    if by.mass > 0:
+        estimate(outer, by, signals.sample_time, position, force, v_ref, fed_mass(outer, ahead))
+    if ahead.adaptive > 0:
+        learn_mass(outer, ahead, force, v_ref)
+    outer[LAST_VELOCITY_REFERENCE] = v_ref
 
 
 @kernel
@@ -184,16 +248,18 @@ def _control(
     memory: Memory,
     x_ref: float,
     v_ref: float,
-    a_ref: float,
+    fed: float,
     law: OuterLaw,
     signals: SignalSettings,
     settings: ForceSettings,
     space: SearchSpace,
 ) -> None:
     """Run the outer loops and the force controller once; leave the valve states to command."""
-    position = memory.history[0]
-    velocity = differentiated(memory.history, signals.sample_time)
-    force = force_reference(memory.outer, law, position, velocity, a_ref)
+    position, velocity = memory.outer[POSITION_HEARD], memory.outer[VELOCITY_HEARD]
+    if signals.estimator.mass == 0:
+        position = memory.history[0]
+        velocity = differentiated(memory.history, signals.sample_time)
+    force = force_reference(memory.outer, law, position, velocity, fed)
     stop = stopped(memory.outer[STOPPED] > 0, x_ref - position, v_ref, signals)
     memory.outer[STOPPED] = 1.0 if stop else 0.0
     if stop:

@@ -35,7 +35,7 @@ def record_of(
     Parameters
     ----------
     trace
-        ``(T, 15)``, see ``mptune.sim.closed_loop``.
+        ``(T, 16)``, see ``mptune.sim.closed_loop``.
     moves
         The reference.
     energy

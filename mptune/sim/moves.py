@@ -65,6 +65,8 @@ def _pieces(move: Manoeuvre) -> FloatArray:
         return trajectory.s_curve(move.distance, move.duration, move.ramp_share)
     if move.kind == "sine":
         return trajectory.sine(move.distance, move.duration, move.cycles)
+    if move.kind == "velocity":
+        return trajectory.trapezoid(move.net_distance, move.duration, move.ramp / move.duration)
     return _spline(move.samples)
 
 
@@ -90,7 +92,7 @@ def distinct_moves(manoeuvres: Sequence[Manoeuvre]) -> tuple[Moves, ...]:
     There, moves that differ by their distance only have the same index.
     """
     alike = {
-        move if move.kind == "file" else move.model_copy(update={"distance": 1.0})
+        move if move.kind in {"file", "velocity"} else move.model_copy(update={"distance": 1.0})
         for move in manoeuvres
     }
     return tuple(moves_of([move]) for move in sorted(alike, key=repr))

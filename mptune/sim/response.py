@@ -92,6 +92,8 @@ def _responses(
 
     ``levels`` are the steps of velocity reference, position reference and load force at time 0.
     """
+    if path.estimator_mass > 0:
+        raise ValueError("a state estimator's steps are those of the loop as it runs")
     count = len(plants.mass)
     found = np.empty((count, len(time), 2))
     for n in numba.prange(count):

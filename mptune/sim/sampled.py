@@ -1,9 +1,11 @@
 """The linear closed loop as it runs: sampled at T_S, filtered at T_S,fast, with exact dead time.
 
-Between samples the plant of Eq. 15 is advanced exactly: the force reference is held over T_S and
-reaches the plant after valve and computation, at whatever instant within a fast tick that is. The
-median counts as one sample. A constant load force is carried by the integrator from the start and
-so cancels; dead zone and stop logic, which are not linear, are left out.
+A state estimator may stand in the filters' place, and acceleration and friction are fed forward as
+on the machine; a mass that is learnt on line starts at the feed-forward's. Between samples the
+plant of Eq. 15 is advanced exactly: the force reference is held over T_S and reaches the plant
+after valve and computation, at whatever instant within a fast tick that is. The median counts as
+one sample. A constant load force is carried by the integrator from the start and so cancels; dead
+zone and stop logic, which are not linear, are left out.
 """
 
 from __future__ import annotations
@@ -16,16 +18,24 @@ import numpy as np
 from mptune.arrays import FloatArray, frozen, kernel
 from mptune.interop import Drawn
 from mptune.loops.family import time_constants_at
-from mptune.params.pack import pack_feedforward, pack_filters, pack_gains
-from mptune.params.packed import Plant
+from mptune.params.pack import pack_estimator, pack_feedforward, pack_filters, pack_gains
+from mptune.params.packed import NO_ESTIMATOR, Plant
+from mptune.signals.adaptive_mass import fed_mass, learn_mass, start_learning
 from mptune.signals.differentiator import WEIGHTS, differentiated, remember
+from mptune.signals.estimator import estimate
 from mptune.signals.outer_loop import (
-    FORCE,
     NO_LIMITS,
-    OUTER_STATES,
+    acceleration_ahead,
     force_reference,
     lag_references,
     outer_law,
+)
+from mptune.signals.states import (
+    FORCE,
+    LAST_VELOCITY_REFERENCE,
+    OUTER_STATES,
+    POSITION_HEARD,
+    VELOCITY_HEARD,
 )
 from mptune.signals.trajectory import reference
 from mptune.sim.judge import performance_index
@@ -40,7 +50,7 @@ if TYPE_CHECKING:
     import pandas as pd
 
     from mptune.params.controller import Feedforward, Gains
-    from mptune.params.packed import FeedforwardTuple, LoopGains, MeasurementPath
+    from mptune.params.packed import FeedforwardTuple, LoopGains, MeasurementPath, StateEstimator
     from mptune.params.study import ResolvedStudy
 
 _DIVERGED = 20.0  # times the longest move
@@ -143,7 +153,10 @@ def linear_moves(
     gains = gains or machine.gains
     moves = moves_of(machine.manoeuvre)
     path = pack_filters(machine.controller)
-    ahead = pack_feedforward(feedforward or machine.feedforward, path.sample_time)
+    ahead = pack_feedforward(
+        feedforward or machine.feedforward, path.sample_time, study.uncertainty.mass
+    )
+    estimator = pack_estimator(study)
     period = machine.controller.sampling_period
     ticks = round(moves.duration / path.sample_time)
     results = []
@@ -155,7 +168,7 @@ def linear_moves(
                 held = delay + period / 2
                 plant = Plant(mass, held, tau_a, tau_b, machine.cylinder.share_a)
                 traces = run_linear(
-                    plant, pack_gains(gains), path, period, moves.pieces, ahead, ticks
+                    plant, pack_gains(gains), path, period, moves.pieces, ahead, ticks, estimator
                 )
                 results.append(_judge(mass, delay, modulus, path.sample_time, moves.reach, traces))
     return tuple(results)
@@ -198,6 +211,7 @@ def run_linear(
     pieces: FloatArray,
     ahead: FeedforwardTuple,
     ticks: int,
+    estimator: StateEstimator = NO_ESTIMATOR,
 ) -> FloatArray:
     """Return reference, position, velocity and F_ref at each fast tick, ``(4, T)``.
 
@@ -214,6 +228,8 @@ def run_linear(
         Feed-forward.
     ticks
         Number T of fast ticks.
+    estimator
+        The state estimator; the filters of ``path`` without one.
     """
     fast, pole = path.sample_time, path.filter_pole
     every = round(period / fast)
@@ -227,15 +243,26 @@ def run_linear(
     traces = np.empty((4, ticks))
     state = np.zeros(4)  # side A, side B, velocity, position
     outer, history = np.zeros(OUTER_STATES), np.zeros(len(WEIGHTS))
-    last, applied = 0.0, 0.0
+    start_learning(outer, ahead, 0.0)
+    share = plant.share_a
+    last, last_force, applied = 0.0, 0.0, 0.0
     for tick in range(ticks):
-        r, v_ref, a_ref = reference(tick * fast, pieces)
+        r, v_ref, _ = reference(tick * fast, pieces)
         lag_references(outer, law, r, v_ref)
         remember(history, pole * history[0] + (1 - pole) * last)  # median: one sample late
+        if estimator.mass > 0:
+            estimate(outer, estimator, fast, last, last_force, v_ref, fed_mass(outer, ahead))
+        if ahead.adaptive > 0:
+            learn_mass(outer, ahead, last_force, v_ref)
+        outer[LAST_VELOCITY_REFERENCE] = v_ref
         last = state[3]
+        last_force = share * state[0] + (1 - share) * state[1]
         if tick % every == 0:
-            measured = differentiated(history, fast)
-            commands[tick // every] = force_reference(outer, law, history[0], measured, a_ref)
+            position, measured = history[0], differentiated(history, fast)
+            if estimator.mass > 0:
+                position, measured = outer[POSITION_HEARD], outer[VELOCITY_HEARD]
+            fed = acceleration_ahead(tick * fast, pieces, ahead)
+            commands[tick // every] = force_reference(outer, law, position, measured, fed)
         traces[0, tick], traces[1, tick] = r, state[3]
         traces[2, tick], traces[3, tick] = state[2], outer[FORCE]
         if tick >= whole and (tick - whole) % every == 0:

@@ -51,7 +51,7 @@ class CaseResult(Summarised):
     record
         The neutral record of the last set.
     traces
-        ``(T, 15)`` of the last set, columns as in ``mptune.sim.closed_loop``.
+        ``(T, 16)`` of the last set, columns as in ``mptune.sim.closed_loop``.
     """
 
     mass_kg: float

@@ -34,6 +34,7 @@ _COLUMNS = {
     "converter_3": (loop.CONVERTER_1 + 2, "m"),
     "converter_4": (loop.CONVERTER_1 + 3, "m"),
     "pressure_high": (loop.HIGH_PRESSURE, "Pa"),
+    "fed_mass": (loop.FED_MASS, "kg"),
 }
 
 

@@ -12,19 +12,23 @@ from mptune.errors import Fault, InputError
 from mptune.force.cost import force_limits
 from mptune.force.search_space import search_space
 from mptune.params.pack import (
+    pack_estimator,
     pack_feedforward,
     pack_force,
     pack_gains,
     pack_machine,
+    pack_sensors,
     pack_signals,
     pack_table,
 )
+from mptune.params.packed import NO_FEEDFORWARD
 from mptune.plant import machine as plant
 from mptune.plant.piston import burden_at
 from mptune.plant.supplies import oil_at_pressure
 from mptune.plant.valve import shut_valves
 from mptune.progress import silent
-from mptune.signals.outer_loop import INTEGRAL, OUTER_STATES, REFERENCE
+from mptune.signals.adaptive_mass import start_learning
+from mptune.signals.states import INTEGRAL, LOAD_HEARD, POSITION_HEARD, REFERENCE
 from mptune.sim import closed_loop as loop
 from mptune.sim.judge import LIMIT_CYCLE_SWINGS, SATURATED, set_figures
 from mptune.sim.machine_record import record_of
@@ -178,8 +182,10 @@ def rig_of(study: ResolvedStudy, case: Case, gains: Gains, feedforward: Feedforw
         table=pack_table(study),
         delays=delays_of(study, case.valve_delay),
         gains=pack_gains(gains),
-        ahead=pack_feedforward(feedforward, controller.fast_sampling_period),
-        signals=pack_signals(controller),
+        ahead=pack_feedforward(
+            feedforward, controller.fast_sampling_period, study.uncertainty.mass
+        ),
+        signals=pack_signals(controller, pack_estimator(study), pack_sensors(study.study.sensors)),
         settings=pack_force(study),
         moves=moves_of(study.study.manoeuvre),
     )
@@ -203,7 +209,7 @@ def run_rig(
     # Whole sampling periods, so that every set begins with a decision.
     period = rig.settings.sampling_period
     ticks = signals.ticks * int(np.ceil(moves.duration / period - 1e-9))
-    memory = new_memory(study, machine, rig.gains, start)
+    memory = new_memory(study, machine, rig.gains, start, rig.ahead)
     limits = force_limits(rig.settings)
     space = search_space()
     trace = np.empty((ticks, loop.COLUMNS))
@@ -267,7 +273,11 @@ def delays_of(study: ResolvedStudy, valve_delay: Range) -> loop.Delays:
 
 
 def new_memory(
-    study: ResolvedStudy, machine: Machine, gains: LoopGains, start: float
+    study: ResolvedStudy,
+    machine: Machine,
+    gains: LoopGains,
+    start: float,
+    ahead: FeedforwardTuple = NO_FEEDFORWARD,
 ) -> loop.Memory:
     """Return machine and controller at rest at ``start`` [m].
 
@@ -285,11 +295,13 @@ def new_memory(
     state[[plant.PRESSURE_B, plant.VALVE_END_B]] = pressure_b
     signals = np.zeros(loop.SIGNALS)
     signals[:5] = start, pressure_a, pressure_b, high, machine.low_pressure
-    outer = np.zeros(OUTER_STATES + 2)
+    outer = np.zeros(loop.OUTER_PLACES)
     if gains.k_i_pos > 0:
         least, largest = force_limits(pack_force(study))
         outer[INTEGRAL] = min(max(load, least), largest) / gains.k_p_vel
-    outer[REFERENCE] = start
+    outer[[REFERENCE, POSITION_HEARD, loop.SENSED]] = start
+    outer[LOAD_HEARD] = machine.area_a * pressure_a - machine.area_b * pressure_b
+    start_learning(outer, ahead, load)
     return loop.Memory(
         state=state,
         energy=np.zeros(8),

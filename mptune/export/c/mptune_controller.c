@@ -96,6 +96,10 @@ uint32_t mptune_init(mptune_state *state, const mptune_inputs *first, mptune_rea
     if (p->integral_rate > R(0)) { /* else there is no integral, and the load moves the piston */
         state->integral = load_force / p->k_p_vel;
     }
+    state->heard_position = first->position;
+    state->heard_load = p->area_a * first->pressure_a - p->area_b * first->pressure_b;
+    state->last_velocity_reference = first->velocity_reference;
+    mptune_start_learning(state, load_force);
     state->ready = READY;
     return 0U;
 }
@@ -116,7 +120,10 @@ uint32_t mptune_step(mptune_state *state, const mptune_inputs *inputs, mptune_ou
         mptune_real sample[MPTUNE_SIGNALS];
         samples_of(inputs, sample);
         mptune_lag_references(state, inputs);
-        mptune_measure(state, sample);
+        mptune_real position = R(0);
+        mptune_real force = R(0);
+        mptune_measure(state, sample, &position, &force);
+        mptune_know(state, inputs, position, force);
         if (state->tick == 0U) {
             fault = control(state, inputs);
             decided = 1U;

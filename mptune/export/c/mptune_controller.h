@@ -25,6 +25,11 @@
 #define MPTUNE_SIGNALS 9U    /* sampled signals: position, two chambers, two supplies, converters */
 #define MPTUNE_VALVES 12U    /* valves of one side: two in parallel for each of six supplies */
 #define MPTUNE_TAPS 6U       /* of the differentiating filter, Eq. 23 */
+#define MPTUNE_REGRESSORS 4U /* of the mass that is learnt on line */
+
+#ifdef __cplusplus
+extern "C" {
+#endif
 
 /* Faults; mptune_init and mptune_step return their sum, 0 where there is none. All valves are shut
  * in a step with a fault, and stay shut until the next decision that is made without one. */
@@ -38,7 +43,9 @@
 typedef struct {
     mptune_real position_reference;     /* m, x_ref */
     mptune_real velocity_reference;     /* m/s, v_ref */
-    mptune_real acceleration_reference; /* m/s^2, a_ref, for its feed-forward */
+    mptune_real acceleration_reference; /* m/s^2, a_ref for its feed-forward: mptune_study.preview
+                                           ahead of the others where that is not 0, or with
+                                           mptune_study.jerk a_ref + preview * j_ref of now */
     mptune_real position;               /* m, raw */
     mptune_real pressure_a;             /* Pa, raw, A-side chamber */
     mptune_real pressure_b;             /* Pa, raw, B-side chamber */
@@ -71,6 +78,15 @@ typedef struct {
     mptune_real reference;            /* m, x_ref behind its lag */
     mptune_real velocity_reference;   /* m/s, v_ref behind its lag */
     mptune_real force;                /* N, F_ref */
+    mptune_real heard_position;       /* m, of the state estimator, if there is one */
+    mptune_real heard_velocity;       /* m/s */
+    mptune_real heard_load;           /* N */
+    mptune_real last_velocity_reference; /* m/s, v_ref of the step before */
+    mptune_real mass;                 /* kg, learnt on line, if it is */
+    mptune_real lagged_velocity;      /* m/s, v_ref behind the regression's lag */
+    mptune_real lagged_acceleration;  /* m/s^2 */
+    mptune_real factor[MPTUNE_REGRESSORS];
+    mptune_real covariance[MPTUNE_REGRESSORS][MPTUNE_REGRESSORS];
     uint32_t ready;
     uint32_t tick; /* steps since the last decision */
     uint8_t stopped;
@@ -88,5 +104,9 @@ uint32_t mptune_init(mptune_state *state, const mptune_inputs *first, mptune_rea
 
 /* Run one T_S,fast. */
 uint32_t mptune_step(mptune_state *state, const mptune_inputs *inputs, mptune_outputs *outputs);
+
+#ifdef __cplusplus
+}
+#endif
 
 #endif

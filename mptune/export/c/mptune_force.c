@@ -172,7 +172,7 @@ uint8_t mptune_decide(mptune_state *state, mptune_real velocity)
     const mptune_real lag = p->delay_prediction;
     mptune_real pressure_a = state->filtered[MPTUNE_CHAMBER_A];
     mptune_real pressure_b = state->filtered[MPTUNE_CHAMBER_B];
-    mptune_real position = state->history[0];
+    mptune_real position = mptune_position(state);
     mptune_real supplies[MPTUNE_SUPPLIES];
     for (uint32_t i = 0U; i < MPTUNE_SUPPLIES; i++) {
         const mptune_real low = state->filtered[MPTUNE_LOW];

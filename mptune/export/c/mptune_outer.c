@@ -4,7 +4,7 @@
 uint8_t mptune_outer_loops(mptune_state *state, const mptune_inputs *inputs, mptune_real velocity)
 {
     const mptune_parameters *const p = &mptune_study;
-    const mptune_real error = state->reference - state->history[0];
+    const mptune_real error = state->reference - mptune_position(state);
     const mptune_real shaped = p->b0 * error + state->lag_1; /* Eq. 22, second-order section */
     state->lag_1 = p->b1 * error - p->a1 * shaped + state->lag_2;
     state->lag_2 = p->b2 * error - p->a2 * shaped;
@@ -16,8 +16,9 @@ uint8_t mptune_outer_loops(mptune_state *state, const mptune_inputs *inputs, mpt
     state->last_error = error;
 
     const mptune_real wanted = state->velocity_reference + shaped + state->integral - velocity;
-    const mptune_real force = p->k_p_vel * (wanted + gained)
-                              + p->acceleration_mass * inputs->acceleration_reference; /* Eq. 18 */
+    mptune_real force = p->k_p_vel * (wanted + gained)
+                        + mptune_fed_mass(state) * inputs->acceleration_reference; /* Eq. 18 */
+    force += mptune_friction_ahead(state->velocity_reference);
     const uint8_t winding_up = (force > p->force_largest) && (gained > R(0));
     const uint8_t winding_down = (force < p->force_least) && (gained < R(0));
     if ((winding_up == 0U) && (winding_down == 0U)) {
@@ -30,7 +31,7 @@ uint8_t mptune_outer_loops(mptune_state *state, const mptune_inputs *inputs, mpt
 void mptune_stop_logic(mptune_state *state, const mptune_inputs *inputs)
 {
     const mptune_parameters *const p = &mptune_study;
-    const mptune_real error = MPTUNE_ABS(inputs->position_reference - state->history[0]);
+    const mptune_real error = MPTUNE_ABS(inputs->position_reference - mptune_position(state));
     const mptune_real tolerance = (state->stopped != 0U) ? p->start_tolerance : p->stop_tolerance;
     const uint8_t still = MPTUNE_ABS(inputs->velocity_reference) <= p->velocity_tolerance;
     state->stopped = ((still != 0U) && (error <= tolerance)) ? 1U : 0U; /* Eq. 9 and 10 */

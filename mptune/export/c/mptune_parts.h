@@ -62,8 +62,18 @@ uint8_t mptune_within(mptune_real value, mptune_real least, mptune_real largest)
 
 /* Signals: one T_S,fast. */
 void mptune_lag_references(mptune_state *state, const mptune_inputs *inputs);
-void mptune_measure(mptune_state *state, const mptune_real sample[MPTUNE_SIGNALS]);
-mptune_real mptune_velocity(const mptune_state *state); /* m/s, Eq. 23 */
+void mptune_measure(
+    mptune_state *state, const mptune_real sample[MPTUNE_SIGNALS], mptune_real *position,
+    mptune_real *force); /* the last two are of the medians */
+mptune_real mptune_position(const mptune_state *state); /* m, filtered, or as estimated */
+mptune_real mptune_velocity(const mptune_state *state); /* m/s, Eq. 23, or as estimated */
+
+/* What hears the force: the state estimator and the mass that is learnt. One T_S,fast. */
+void mptune_know(
+    mptune_state *state, const mptune_inputs *inputs, mptune_real position, mptune_real force);
+void mptune_start_learning(mptune_state *state, mptune_real load);
+mptune_real mptune_fed_mass(const mptune_state *state);          /* kg */
+mptune_real mptune_friction_ahead(mptune_real velocity);         /* N */
 
 /* Outer loops: one T_S. The loops return 0 where they left the range of numbers. */
 uint8_t mptune_outer_loops(mptune_state *state, const mptune_inputs *inputs, mptune_real velocity);

@@ -50,7 +50,9 @@ void mptune_lag_references(mptune_state *state, const mptune_inputs *inputs)
                                  * (inputs->velocity_reference - state->velocity_reference);
 }
 
-void mptune_measure(mptune_state *state, const mptune_real sample[MPTUNE_SIGNALS])
+void mptune_measure(
+    mptune_state *state, const mptune_real sample[MPTUNE_SIGNALS], mptune_real *position,
+    mptune_real *force)
 {
     for (uint32_t i = 0U; i < MPTUNE_SIGNALS; i++) {
         const mptune_real pole = pole_of(i);
@@ -58,6 +60,13 @@ void mptune_measure(mptune_state *state, const mptune_real sample[MPTUNE_SIGNALS
         state->raw[1][i] = state->raw[0][i];
         state->raw[0][i] = sample[i];
         state->filtered[i] = pole * state->filtered[i] + (R(1) - pole) * middle;
+        if (i == MPTUNE_POSITION) {
+            *position = middle;
+        } else if (i == MPTUNE_CHAMBER_A) {
+            *force = mptune_study.area_a * middle;
+        } else if (i == MPTUNE_CHAMBER_B) {
+            *force -= mptune_study.area_b * middle;
+        }
     }
     for (uint32_t i = 0U; i < MPTUNE_CONVERTERS; i++) {
         state->converters[i] = backlash(
@@ -69,9 +78,17 @@ void mptune_measure(mptune_state *state, const mptune_real sample[MPTUNE_SIGNALS
     state->history[0] = state->filtered[MPTUNE_POSITION];
 }
 
+mptune_real mptune_position(const mptune_state *state)
+{
+    return (mptune_study.estimator_mass > R(0)) ? state->heard_position : state->history[0];
+}
+
 mptune_real mptune_velocity(const mptune_state *state)
 {
     mptune_real velocity = R(0);
+    if (mptune_study.estimator_mass > R(0)) {
+        return state->heard_velocity;
+    }
     for (uint32_t tap = 0U; tap < MPTUNE_TAPS; tap++) {
         velocity += taps[tap] * state->history[tap];
     }

@@ -242,7 +242,7 @@ fmi2Status fmi2DoStep(
 {
     UNUSED(point), UNUSED(no_earlier_state);
     if (!unit_step(&((instance *)c)->memory, step)) {
-        return refuse(c, "the communication step must be T_S,fast, after initialization");
+        return refuse(c, "the communication step must be a whole multiple of T_S,fast, after initialization");
     }
     return fmi2OK;
 }

@@ -269,7 +269,7 @@ fmi3Status fmi3DoStep(
     const int done = unit_step(&one->memory, step);
     *last_time = one->memory.time;
     return done ? fmi3OK
-                : refuse(c, "the communication step must be T_S,fast, after initialization");
+                : refuse(c, "the communication step must be a whole multiple of T_S,fast, after initialization");
 }
 
 /* What a co-simulation without events, clocks and derivatives never needs. */

@@ -1,7 +1,8 @@
-/* The controller's variables by value reference, and its communication step of T_S,fast. */
+/* The controller's variables by value reference, and communication steps of whole T_S,fast. */
 #include "unit.h"
 
-#define STEP_TOLERANCE 1e-6 /* relative, of the communication step */
+#define STEP_TOLERANCE 1e-6 /* of T_S,fast, how far a step may be from a whole number of it */
+#define MOST_PERIODS 1e9    /* in one communication step */
 
 static mptune_real *input_at(mptune_inputs *inputs, unsigned int reference)
 {
@@ -89,11 +90,18 @@ int unit_start(unit_memory *memory)
 int unit_step(unit_memory *memory, double step)
 {
     const double period = (double)mptune_study.sample_time;
-    const double deviation = (step > period) ? (step - period) : (period - step);
-    if ((memory->running == 0) || !(deviation <= STEP_TOLERANCE * period)) {
+    const double periods = step / period;
+    if ((memory->running == 0) || !(periods > 0.5) || !(periods < MOST_PERIODS)) {
         return 0;
     }
-    (void)mptune_step(&memory->state, &memory->inputs, &memory->outputs); /* faults are an output */
+    const unsigned long whole = (unsigned long)(periods + 0.5);
+    const double deviation = periods - (double)whole;
+    if (!((deviation <= STEP_TOLERANCE) && (deviation >= -STEP_TOLERANCE))) {
+        return 0;
+    }
+    for (unsigned long i = 0UL; i < whole; i++) { /* inputs are held; faults are an output */
+        (void)mptune_step(&memory->state, &memory->inputs, &memory->outputs);
+    }
     memory->time += step;
     return 1;
 }

@@ -28,7 +28,12 @@ if TYPE_CHECKING:
     from mptune.report.results import Results
     from mptune.robust.certificates import Certificates
 
-_PATHS = ("none", "filters", "sampled")
+_PATHS = {
+    "none": "without path",
+    "filters": "with path",
+    "estimator": "with state estimator",
+    "sampled": "sampled",
+}
 _LOOPS = {"velocity": "velocity loop", "position": "position loop", "force_reference": "F_ref"}
 _FIGURES = {
     "equation_17": "Eq. 17",
@@ -78,14 +83,15 @@ def certificates(results: Results) -> Chapter | None:
 def bounds(found: Certificates) -> Tabular:
     """Return attained and guaranteed values: a row for each figure of a loop, a column per path."""
     named = dict.fromkeys((one.loop, one.figure) for one in found.bounds)
+    paths = ("none", found.problem.measured, "sampled")
     rows: list[Row] = [
         [
             f"{_FIGURES[figure]}, {_LOOPS[loop]}",
-            *(_bound(found.of(loop, path, figure)) for path in _PATHS),
+            *(_bound(found.of(loop, path, figure)) for path in paths),
         ]
         for loop, figure in named
     ]
-    columns = [*left("Figure"), *right("without path", "with path", "sampled")]
+    columns = [*left("Figure"), *right(*(_PATHS[path] for path in paths))]
     return Tabular("Certified over the whole box", columns, rows)
 
 

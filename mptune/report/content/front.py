@@ -122,7 +122,7 @@ def warnings(swept: SweepResult) -> list[str]:
     for family in swept.families:
         if not family.unstable_count:
             continue
-        filtered = family.path == "filters"
+        filtered = family.path != "none"
         found.append(
             f"{family.unstable_count} of {len(family.stable)} plants are unstable "
             f"{'with' if filtered else 'without'} the measurement path, for instance "

@@ -35,7 +35,7 @@ if TYPE_CHECKING:
     from mptune.robust.chain import Link
     from mptune.robust.result import Condition, SweepResult
 
-_PATHS = {"none": "without", "filters": "with path"}
+_PATHS = {"none": "without", "filters": "with path", "estimator": "with state estimator"}
 
 
 def inequalities(results: Results) -> Chapter:

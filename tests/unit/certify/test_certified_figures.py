@@ -12,6 +12,7 @@ from test_enclosure import GAINS
 
 from mptune.certify import aliases, figures
 from mptune.certify.form import form_of
+from mptune.certify.shares import share_of
 
 CURVE = np.array([[10.0, 0.7], [50.0, 0.4], [50.001, 0.41], [200.0, 0.9]])
 WITHIN = st.floats(0.0, 1.0)
@@ -38,7 +39,7 @@ def test_what_is_allowed(segment, place, width):
 @given(st.floats(0.0, 314.0), st.floats(0.0, 150.0), st.sampled_from([1, -1, 2, -5, 30]))
 def test_the_share_of_a_shifted_frequency(omega, half, shift):
     shift *= 2 * np.pi / 0.01
-    found = aliases._share(omega, half, shift)
+    found = share_of(omega, half, shift)
     exact_shift = 2 * mp.pi * round(shift * 0.01 / (2 * np.pi)) / mp.mpf("0.01")
     assert_encloses(found, lambda at: at / (at + exact_shift), omega, half)
 

@@ -10,8 +10,8 @@ from mptune.certify.enclosure import OMEGA, SIDES, clearance, enclose, plant_ove
 from mptune.certify.figures import coefficients
 from mptune.certify.form import COMPLIANCE, curve_of, form_of
 from mptune.certify.problem import edges_of
-from mptune.certify.rows import FIXED, PER_DUAL
-from mptune.certify.sampled import shifts_up_to
+from mptune.certify.rows import row_length
+from mptune.certify.sampled import shifts_of
 
 FIGURES = [
     ("velocity", "none", "equation_17"),
@@ -40,8 +40,8 @@ TERMS = 40  # of the sampled loop: 2e-6 of its gain are left out
 
 
 def evaluate(form, curve, centre, half, num, den):
-    shifts = shifts_up_to(TERMS if form.loop == 3 else 0, form.period)
-    row = np.empty(PER_DUAL * (FIXED + len(shifts)))
+    shifts = shifts_of(form, TERMS if form.loop == 3 else 0)
+    row = np.empty(row_length(len(shifts), form.path.estimator_mass))
     slopes, spreads = np.empty(SIDES), np.empty(SIDES)
     coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], row)
     plant = plant_over(row, shifts, form.share_a, centre, half)

@@ -38,6 +38,27 @@ def proportional_study(load_boom):
     return load_boom(MOVES, "gains.k_i_pos=0 1/s^2", corners=True)
 
 
+ESTIMATED = (
+    'estimator.kind="state"',
+    "estimator.reference_injection=true",
+    'feedforward.acceleration_mass="37 t"',
+    'feedforward.preview="11 ms"',
+    'feedforward.viscous_friction="3000 N s/m"',
+    'feedforward.coulomb_friction="600 N"',
+)
+
+
+@pytest.fixture(scope="session", params=["fixed", "jerk", "adaptive"])
+def estimated_study(request, load_boom):
+    """With a state estimator and all feed-forward, the mass fixed or learnt on line."""
+    more = {
+        "fixed": "",
+        "jerk": "feedforward.jerk=true",
+        "adaptive": "feedforward.adaptive_mass=true",
+    }
+    return load_boom(MOVES, *ESTIMATED, *filter(None, [more[request.param]]), corners=True)
+
+
 @pytest.fixture(scope="session")
 def controller(study):
     return prepare(study, gains_of(study), Precision.DOUBLE)

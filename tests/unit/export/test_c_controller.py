@@ -39,7 +39,7 @@ DECISIONS = {
     "steady state, two periods": (*STEADY, TWO, HUBER),
 }  # fmt: skip
 POINTER, STATE, INPUT, NUMERIC = 1, 2, 4, 8
-NUMBERS_IN_STATE = 44
+NUMBERS_IN_STATE = 71
 
 
 @pytest.fixture(scope="module")
@@ -86,6 +86,14 @@ def test_what_the_paper_leaves_off_is_the_same_too(request, which, tmp_path):
     study = request.getfixturevalue(which)
     target.write_sources(study, tmp_path / "c")
     recording = record_case(study, first_case(study, 49000.0))
+    program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
+    found, _ = replay(program, recording, tmp_path)
+    same_decisions(found, recording)
+
+
+def test_estimator_and_feed_forward_are_the_same_too(estimated_study, tmp_path):
+    target.write_sources(estimated_study, tmp_path / "c")
+    recording = record_case(estimated_study, first_case(estimated_study, 49000.0))
     program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
     found, _ = replay(program, recording, tmp_path)
     same_decisions(found, recording)

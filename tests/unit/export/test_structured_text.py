@@ -102,7 +102,7 @@ def test_constants_are_those_of_the_table(request, which):
     assert len(constants) > 15
     numbers = {
         f"MPT_{key.upper()}": value
-        for name in ("outer_loops", "feedforward_lags", "filters")
+        for name in ("outer_loops", "feedforward_lags", "state_estimator", "filters")
         for key, value in table[name].items()
     }
     assert constants.pop("MPT_TICKS") == controller.numbers.ticks

@@ -81,14 +81,18 @@ def fault_of(path, text, study_hash=""):
 
 def within(section):
     """Return numbers within the declared range of each quantity of a section."""
-    declared = [field.json_schema_extra for field in section.model_fields.values()]
+    fields = [section.model_fields[name] for name, *_ in section.quantities()]
+    declared = [field.json_schema_extra for field in fields]
     return st.tuples(*(st.floats(one["at_least"], one["at_most"]) for one in declared))
 
 
-@given(within(Gains), within(Feedforward))
-def test_gains_come_back_to_the_last_bit(tmp_path_factory, numbers, leads):
+LEADS = [name for name, *_ in Feedforward.quantities()]
+
+
+@given(within(Gains), within(Feedforward), st.booleans())
+def test_gains_come_back_to_the_last_bit(tmp_path_factory, numbers, leads, switch):
     names = ("k_p_vel", "k_p_pos", "k_i_pos", "omega", "xi", "tau")
-    feedforward = dict(zip(Feedforward.model_fields, leads, strict=True))
+    feedforward = dict(zip(LEADS, leads, strict=True)) | {"jerk": switch, "adaptive_mass": switch}
     file = gains_file(gains=dict(zip(names, numbers, strict=True)), feedforward=feedforward)
     path = tmp_path_factory.getbasetemp() / "round-trip.toml"
     assert read_gains(write_gains(path, file)) == file

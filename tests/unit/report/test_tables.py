@@ -122,7 +122,7 @@ def test_a_blocked_tuning_says_what_blocks_and_what_would_have_to_give(swept):
 def test_a_machine_that_broke_a_limit_says_which_and_when(swept):
     broken = CaseResult(
         24500.0, (5e-3, 8e-3), 8e8, 9700.0, 3, CaseStatus.LIMIT_BROKEN, "piston at its end", 1.25,
-        (), None, np.zeros((0, 15)),
+        (), None, np.zeros((0, 16)),
     )  # fmt: skip
     table = machines(VerifyResult(swept.study, swept.gains, Feedforward(), (broken,)))
     words = "limit broken, piston at its end from 1.2 s on"

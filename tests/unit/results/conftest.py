@@ -88,7 +88,7 @@ def case_of(mass, status=CaseStatus.STABLE):
     return CaseResult(
         mass_kg=mass, valve_delay_s=(5e-3, 8e-3), oil_bulk_modulus_pa=1.2e9, load_force_n=9700.0,
         seed=1, status=status, broken="" if stable else "supply", broken_at_s=UNKNOWN,
-        sets=(one,) * 20 if stable else (), record=RECORD, traces=np.ones((2000, 15)),
+        sets=(one,) * 20 if stable else (), record=RECORD, traces=np.ones((2000, 16)),
     )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from scipy.signal import cont2discrete, dlsim, dlti
 
 from mptune.params.packed import FeedforwardTuple, LoopGains
 from mptune.signals import outer_loop as outer
+from mptune.signals.states import OUTER_STATES
 
 GAINS = LoopGains(7e5, 13.0, 22.0, 42.0, 0.55, 0.006)
 PERIOD = 0.01
@@ -19,7 +20,7 @@ def law_of(gains=GAINS, ahead=PLAIN, dead_zone=0.0, limits=outer.NO_LIMITS):
 
 
 def at_rest(reference=0.0):
-    state = np.zeros(outer.OUTER_STATES)
+    state = np.zeros(OUTER_STATES)
     state[outer.REFERENCE] = reference
     return state
 
