@@ -17,15 +17,8 @@ from mptune.plant.flow import orifice
 from mptune.plant.piston import Burden, burden_at
 from mptune.plant.valve import ValveState, shut_valves
 from mptune.signals.differentiator import differentiated
-from mptune.signals.outer_loop import (
-    FORCE,
-    INTEGRAL,
-    OUTER_STATES,
-    REFERENCE,
-    force_reference,
-    lag_references,
-    outer_law,
-)
+from mptune.signals.outer_loop import force_reference, lag_references, outer_law
+from mptune.signals.states import FORCE, INTEGRAL, OUTER_STATES, REFERENCE
 from mptune.signals.trajectory import reference
 from mptune.systems.bench import LoadBench, movement_sets
 from mptune.systems.cylinder import (
