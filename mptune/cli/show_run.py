@@ -28,7 +28,8 @@ def summary(result: JobResult) -> None:
     said = judged.word is Headline.ON_PAPER and judged.witness is not None
     on_stderr = doubts(result.study)
     mind = [] if said else [one for one in page.warnings if one not in on_stderr]
-    for text in (factors_text(result.chain), run):
+    frame = [result.papers_frame.headline] if result.papers_frame else []
+    for text in (factors_text(result.chain), run, *frame):
         say(text)
     for text in mind:
         say(verdict(text, good=False))
@@ -49,6 +50,8 @@ def details(result: JobResult) -> None:
     show(movement_sets(result.moves_before, result.moves))
     if result.verified:
         say(in_a_sentence(result.changes))
+        if result.papers_frame:
+            say(result.papers_frame.headline)
         show(machines(result.verified))
     else:
         say(NOT_RUN, "")

@@ -93,4 +93,5 @@ def found_by(result: JobResult) -> Results:
         chain=result.chain,
         judgement=result.judgement,
         changes=result.changes,
+        papers_frame=result.papers_frame,
     )

@@ -10,7 +10,7 @@ from mptune.params.paper import (
     MEASURED_INDEX_RANGE,
     MEASURED_LOSS,
 )
-from mptune.report.blocks import Cell, Tabular, left, right
+from mptune.report.blocks import Cell, Row, Tabular, left, right
 from mptune.report.content.closed_loop import index_text, milliseconds, of_mass
 from mptune.sim.merit import merit
 from mptune.verify.before_after import FIGURES, Mark, named
@@ -44,6 +44,20 @@ def beside_the_paper(results: Results) -> Tabular:
     for mass in masses:
         columns += right(f"Paper, {mass / 1e3:g} t", f"{mass / 1e3:g} t")
     return Tabular("Before and after, beside the paper", columns, rows)
+
+
+def in_papers_frame(results: Results) -> Tabular:
+    """Return what tuning in the paper's own frame alone comes to on the machine; empty if none."""
+    title, frame = "For comparison: tuned in the paper's own frame", results.papers_frame
+    if frame is None:
+        return Tabular(title, left(""), [])
+    by_place = {(one.key, one.mass_kg): one for one in frame.changes}
+    masses = sorted({mass for _, mass in by_place})
+    rows: list[Row] = [
+        [_heading(key), *(_pair(by_place[key, mass]) for mass in masses)] for key in FIGURES
+    ]
+    columns = left("Study's own → tuned so") + right(*(f"{mass / 1e3:g} t" for mass in masses))
+    return Tabular(title, columns, rows)
 
 
 def _heading(key: str) -> str:
