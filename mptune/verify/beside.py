@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from mptune.strict import strict
 from mptune.summary import Summarised
-from mptune.verify.before_after import changes, in_a_sentence
+from mptune.verify.before_after import Mark, changes, in_a_sentence, named
 
 if TYPE_CHECKING:
     from mptune.params.controller import Gains
@@ -15,8 +15,7 @@ if TYPE_CHECKING:
     from mptune.verify.result import VerifyResult
 
 _FRAME = (
-    "For comparison, tuned in the paper's own frame (continuous loop, its two ratios and bounds "
-    "alone)"
+    "For comparison, tuned in the paper's own frame alone (continuous loop, two ratios, bounds)"
 )
 
 
@@ -43,9 +42,20 @@ class PapersFrame(Summarised):
     changes: tuple[Change, ...]
 
     @property
+    def brief(self) -> str:
+        """The same in few words: a figure that is worse at one mass is."""
+        worst = {one.key: one.mark for one in self.changes if one.mark is Mark.WORSE}
+        worse = ", ".join(named(key) for key in worst) or "nothing"
+        before, after = (1e3 * index for index in (self.index_before, self.index))
+        return (
+            "For comparison, the paper's own frame alone: linear tracking index "
+            f"{before:.2f} → {after:.2f} ms on paper, worse on the machine in {worse}."
+        )
+
+    @property
     def headline(self) -> str:
         """Index on paper, and what the machine says."""
-        on_machine = in_a_sentence(self.changes, "these gains")
+        on_machine = in_a_sentence(self.changes, "those gains")
         before, after = (1e3 * index for index in (self.index_before, self.index))
         return (
             f"{_FRAME}: linear tracking index {before:.2f} → {after:.2f} ms on paper. {on_machine}"

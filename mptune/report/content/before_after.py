@@ -10,7 +10,7 @@ from mptune.params.paper import (
     MEASURED_INDEX_RANGE,
     MEASURED_LOSS,
 )
-from mptune.report.blocks import Cell, Row, Tabular, left, right
+from mptune.report.blocks import Cell, Tabular, left, right
 from mptune.report.content.closed_loop import index_text, milliseconds, of_mass
 from mptune.sim.merit import merit
 from mptune.verify.before_after import FIGURES, Mark, named
@@ -31,9 +31,9 @@ def beside_the_paper(results: Results) -> Tabular:
         rows[0] += [milliseconds(MEASURED_INDEX_RANGE.get(mass)), _linear(results, mass)]
     by_place = {(one.key, one.mass_kg): one for one in results.changes}
     for key in FIGURES if by_place else ():
-        row: list[str | Cell] = [_heading(key)]
+        row: list[str | Cell] = [heading(key)]
         for mass in masses:
-            row += [_paper(key, mass), _pair(by_place[key, mass])]
+            row += [_paper(key, mass), pair_text(by_place[key, mass])]
         rows.append(row)
     if not all(verified is None or verified.satisfied for verified in _both(results)):
         stable: list[str | Cell] = ["stable runs"]
@@ -46,21 +46,8 @@ def beside_the_paper(results: Results) -> Tabular:
     return Tabular("Before and after, beside the paper", columns, rows)
 
 
-def in_papers_frame(results: Results) -> Tabular:
-    """Return what tuning in the paper's own frame alone comes to on the machine; empty if none."""
-    title, frame = "For comparison: tuned in the paper's own frame", results.papers_frame
-    if frame is None:
-        return Tabular(title, left(""), [])
-    by_place = {(one.key, one.mass_kg): one for one in frame.changes}
-    masses = sorted({mass for _, mass in by_place})
-    rows: list[Row] = [
-        [_heading(key), *(_pair(by_place[key, mass]) for mass in masses)] for key in FIGURES
-    ]
-    columns = left("Study's own → tuned so") + right(*(f"{mass / 1e3:g} t" for mass in masses))
-    return Tabular(title, columns, rows)
-
-
-def _heading(key: str) -> str:
+def heading(key: str) -> str:
+    """Return a figure's name with its unit, as the first cell of its row."""
     one = merit(key)
     return named(key) if one.unit == "1" else f"{named(key)} [{one.printed_unit}]"
 
@@ -73,7 +60,8 @@ def _linear(results: Results, mass: float) -> str:
     return " → ".join(both)
 
 
-def _pair(change: Change) -> str | Cell:
+def pair_text(change: Change) -> str | Cell:
+    """Return a figure before and after, and which of them is better."""
     one = merit(change.key)
     text = f"{one.text(change.before)} → {one.text(change.after)}, {change.mark}"
     return Cell(text, _LOOKS[change.mark]) if change.mark in _LOOKS else text

@@ -18,7 +18,7 @@ from mptune.report.blocks import (
     verdict,
     wide,
 )
-from mptune.report.content.before_after import beside_the_paper, in_papers_frame
+from mptune.report.content.before_after import beside_the_paper
 from mptune.report.content.tradeoff import controllers
 from mptune.robust.result import Status
 from mptune.robust.tables import place_text, undecided_text
@@ -50,7 +50,6 @@ def front_page(results: Results) -> FrontPage:
         gains((swept.gains, ahead[0]), (results.published.gains, ahead[1])),
         requirements((*swept.checks, *_of_machine(results))),
         beside_the_paper(results),
-        in_papers_frame(results),
         controllers(results.leftovers.compared).brief(),
     )
     return FrontPage(
@@ -88,7 +87,7 @@ def _status(results: Results) -> Iterator[str]:
     elif results.verified is None and results.verdict.word not in (Headline.MET, Headline.ON_PAPER):
         yield NOT_RUN
     if results.papers_frame is not None:
-        yield results.papers_frame.headline
+        yield results.papers_frame.brief
 
 
 def tuning(tuned: TuneResult) -> list[str]:
