@@ -29,6 +29,7 @@ def summary(result: JobResult) -> None:
     said = judged.word is Headline.ON_PAPER and judged.witness is not None
     on_stderr = doubts(result.study)
     mind = [] if said else [one for one in page.warnings if one not in on_stderr]
+    mind += result.left_out
     frame = [result.papers_frame.brief] if result.papers_frame else []
     for text in (factors_text(result.chain), run, *frame):
         say(text)
@@ -57,4 +58,6 @@ def details(result: JobResult) -> None:
         show(machines(result.verified))
     else:
         say(NOT_RUN, "")
+    for text in result.left_out:
+        say(verdict(text, good=False))
     show(gain_factors(result.chain))

@@ -54,6 +54,8 @@ class JobResult(Summarised, Drawn):
         P, PI and PID tuned alike; empty where not asked for.
     files
         What was written.
+    left_out
+        What stood in the folder for the report and could not be used, and why, in sentences.
     """
 
     drawings: ClassVar[Mapping[str, str]] = {"gains": "mptune.figures.compare:compared_gains"}
@@ -71,6 +73,7 @@ class JobResult(Summarised, Drawn):
     papers_frame: PapersFrame | None = None
     compared: tuple[Baseline, ...] = ()
     files: tuple[Path, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     @property
     def satisfied(self) -> bool:
@@ -102,6 +105,7 @@ class JobResult(Summarised, Drawn):
             "chain": [link.json() for link in self.chain],
             "satisfied": self.satisfied,
             "files": [str(path) for path in self.files],
+            "left_out": list(self.left_out),
         }
         if self.compared:
             values["compared"] = [one.json() for one in self.compared]

@@ -28,7 +28,7 @@ from mptune.claim import claimed
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
 from mptune.job.papers_frame import papers_frame
-from mptune.job.report import draw, report
+from mptune.job.report import draw, report, results_of
 from mptune.job.result import JobResult
 from mptune.job.tune import compared_files
 from mptune.params.gains import read_gains, write_gains
@@ -111,9 +111,10 @@ def _handed_over(result: JobResult, out: Path, folder: Path, progress: Progress)
     files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
     files.append(write_whole(out / f"{result.study.name}.png", picture))
     progress("report", 0.0)
-    files += report(out, result, counts, figures)
+    results = results_of(out, result, counts)
+    files += report(out, results, figures)
     progress("report", 1.0)
-    return replace(result, files=tuple(files))
+    return replace(result, files=tuple(files), left_out=results.leftovers.left_out)
 
 
 def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult:

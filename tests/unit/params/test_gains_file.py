@@ -258,9 +258,7 @@ def test_a_controller_accepts_satisfied_margins(boom, tmp_path):
 
 
 @pytest.mark.parametrize("margins", ["violated", "not run"])
-def test_a_controller_refuses_margins_that_are_not_satisfied_unless_forced(
-    boom, tmp_path, margins
-):
+def test_a_controller_refuses_margins_that_are_not_satisfied_unless_forced(boom, tmp_path, margins):
     file = gains_file(margins=margins, study_hash=boom.hash())
     path = write_gains(tmp_path / "gains.toml", file)
     with pytest.raises(InputError) as caught:
