@@ -109,7 +109,8 @@ def test_a_blocked_tuning_says_what_blocks_and_what_would_have_to_give(swept):
     own = swept.gains
     tuned = TuneResult(
         TuneStatus.INFEASIBLE, "eq22", own, Feedforward(), own,
-        replace(figures, tracking=0.011, disk_margin=0.61), figures, None, swept, blocking, (), (), 0,
+        replace(figures, tracking=0.011, disk_margin=0.61), figures, None, swept, blocking, (), (),
+        0,
     )  # fmt: skip
     first, gained, blocked, relief = tuning(tuned)
     assert first == "Tuning: infeasible."
