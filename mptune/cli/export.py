@@ -18,8 +18,8 @@ StudyOption = Annotated[
     typer.Option(
         parser=a_path,
         metavar="FILE",
-        help="The study that the gains were made for; else studies/NAME/study.toml, beside "
-        "the gains, here or above.",
+        help="The study of the machine, with the controller that the gains were made for; else "
+        "studies/NAME/study.toml, beside the gains, here or above.",
     ),
 ]
 ToOption = Annotated[

@@ -67,6 +67,7 @@ def _verdict(controller: TargetController) -> dict[str, Any]:
         "margins": controller.verdict,
         "margins_in_gains_file": controller.source.margins,
         "closed_loop": controller.source.closed_loop,
+        "differs": [one.json() for one in controller.differs],
         "forced": not controller.trusted,
         "requirements": requirements,
     }

@@ -48,13 +48,8 @@ def draw(result: JobResult, counts: tuple[Encirclements, ...]) -> tuple[dict[str
     return figures, to_png(panels)
 
 
-def report(
-    out: Path,
-    result: JobResult,
-    counts: tuple[Encirclements, ...],
-    figures: Mapping[str, bytes],
-) -> tuple[Path, Path]:
-    """Write the report, with what other commands have left in the study's folder.
+def report(out: Path, results: Results, figures: Mapping[str, bytes]) -> tuple[Path, Path]:
+    """Write the report of what ``results_of`` a run has gathered, figures left behind included.
 
     Raises
     ------
@@ -63,13 +58,12 @@ def report(
     """
     from mptune.report.document import write_report
 
-    results = results_of(out, result, counts)
     drawn = {**figures, **(results.leftovers.figures or {})}
-    return write_report(out / result.study.name, results, drawn)
+    return write_report(out / results.study.name, results, drawn)
 
 
 def results_of(out: Path, result: JobResult, counts: tuple[Encirclements, ...]) -> Results:
-    """Return what the report of a run shows."""
+    """Return what the report of a run shows, with what other commands have left in the folder."""
     return replace(
         found_by(result),
         encirclements=counts,
@@ -93,4 +87,5 @@ def found_by(result: JobResult) -> Results:
         chain=result.chain,
         judgement=result.judgement,
         changes=result.changes,
+        papers_frame=result.papers_frame,
     )

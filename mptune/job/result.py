@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mptune.tune.baselines import Baseline
     from mptune.tune.result import TuneResult
     from mptune.verify.before_after import Change
+    from mptune.verify.beside import PapersFrame
     from mptune.verify.result import VerifyResult
 
 
@@ -47,10 +48,14 @@ class JobResult(Summarised, Drawn):
     chain
         How far the gain at F_ref may rise with the tuned gains; the nonlinear machine's link comes
         last, where it was run.
+    papers_frame
+        What tuning in the paper's own frame alone comes to; None where not asked for or not run.
     compared
         P, PI and PID tuned alike; empty where not asked for.
     files
         What was written.
+    left_out
+        What stood in the folder for the report and could not be used, and why, in sentences.
     """
 
     drawings: ClassVar[Mapping[str, str]] = {"gains": "mptune.figures.compare:compared_gains"}
@@ -65,8 +70,10 @@ class JobResult(Summarised, Drawn):
     chain: tuple[Link, ...]
     judgement: Judgement
     changes: tuple[Change, ...] = ()
+    papers_frame: PapersFrame | None = None
     compared: tuple[Baseline, ...] = ()
     files: tuple[Path, ...] = ()
+    left_out: tuple[str, ...] = ()
 
     @property
     def satisfied(self) -> bool:
@@ -94,9 +101,11 @@ class JobResult(Summarised, Drawn):
             "verify_before": before.json() if before else None,
             "changes": [one.json() for one in self.changes],
             "summary": in_a_sentence(self.changes),
+            "papers_frame": self.papers_frame.json() if self.papers_frame else None,
             "chain": [link.json() for link in self.chain],
             "satisfied": self.satisfied,
             "files": [str(path) for path in self.files],
+            "left_out": list(self.left_out),
         }
         if self.compared:
             values["compared"] = [one.json() for one in self.compared]

@@ -10,6 +10,10 @@
     <out>/<study>/traces.nc     the nonlinear machine's last movement set, per mass
     <out>/<study>/*.svg         the figures, the chain of gain factors among them
 
+A run is not resumed: all that it finds follows from study and version, and takes about a minute.
+Half of it is the tuner's search, whose result is more than ``gains.toml`` holds, the other half the
+machine, whose traces are; kept beside, both would have to be bound to the program's every line.
+
 With the comparison asked for, ``comparison.json`` and ``controllers.svg`` as well; the report shows
 whatever other commands have left in the folder for the same model.
 """
@@ -23,7 +27,8 @@ from typing import TYPE_CHECKING
 from mptune.claim import claimed
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
-from mptune.job.report import draw, report
+from mptune.job.papers_frame import papers_frame
+from mptune.job.report import draw, report, results_of
 from mptune.job.result import JobResult
 from mptune.job.tune import compared_files
 from mptune.params.gains import read_gains, write_gains
@@ -51,7 +56,7 @@ if TYPE_CHECKING:
 
 STAGES = (
     *("sweep", "tune", "linear check", "chain", "verify", "verify own"),
-    *("compare", "figures", "report"),
+    *("paper's frame", "compare", "figures", "report"),
 )
 _WORTH_RUNNING = {Headline.MET, Headline.ON_PAPER}
 
@@ -106,9 +111,10 @@ def _handed_over(result: JobResult, out: Path, folder: Path, progress: Progress)
     files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
     files.append(write_whole(out / f"{result.study.name}.png", picture))
     progress("report", 0.0)
-    files += report(out, result, counts, figures)
+    results = results_of(out, result, counts)
+    files += report(out, results, figures)
     progress("report", 1.0)
-    return replace(result, files=tuple(files))
+    return replace(result, files=tuple(files), left_out=results.leftovers.left_out)
 
 
 def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult:
@@ -132,6 +138,9 @@ def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult
     exported = write_gains(folder / "gains.toml", linear)
     files = [write_sweep(folder / "sweep.nc", tuned.sweep), exported]
     verified, before = _verified(study, exported, progress) if runs else (None, None)
+    frame = None
+    if before is not None and study.study.verification.papers_frame:
+        frame = papers_frame(study, before, progress)
     if verified is not None:
         progress("chain", 0.0)
         machine = machine_gain_limit(study, verified.gains, verified.feedforward, progress)
@@ -151,6 +160,7 @@ def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult
         chain=(*links, *other_reading(tuned.sweep)),
         judgement=judgement,
         changes=changes(before, verified) if before and verified else (),
+        papers_frame=frame,
         files=tuple(files),
     )
 

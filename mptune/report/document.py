@@ -18,6 +18,7 @@ from mptune.report.content.controller import controller
 from mptune.report.content.front import front_page
 from mptune.report.content.identification import identification
 from mptune.report.content.loops import gain_chain, inequalities, loop_plots, sensitivities
+from mptune.report.content.papers_frame import papers_frame
 from mptune.report.content.parameters import ledger, parameters
 from mptune.report.content.systems import systems
 from mptune.report.content.tradeoff import comparison, front
@@ -40,6 +41,7 @@ CHAPTERS: tuple[Callable[[Results], Chapter | None], ...] = (
     controller,
     linear_check,
     nonlinear_machine,
+    papers_frame,
     comparison,
     front,
     weights,

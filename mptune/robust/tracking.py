@@ -30,6 +30,8 @@ def family_tracking(
     gains: LoopGains,
     feedforward: Feedforward,
     rows: IntArray | None = None,
+    *,
+    running_away: bool = False,
 ) -> FloatArray:
     """Return each plant's, move's and time window's peak error over its peak velocity [s].
 
@@ -45,6 +47,8 @@ def family_tracking(
         What controls the machine.
     rows
         Plants of the family; the whole where None.
+    running_away
+        Of the sampled loop, see ``mptune.sim.running.tracking_peaks``.
 
     Returns
     -------
@@ -58,7 +62,10 @@ def family_tracking(
         loops = model.as_it_runs(gains)
         loops = replace(loops, plants=loops.plants.picked(picked))
         ahead = pack_feedforward(feedforward, model.filters.sample_time)
-        peaks = [tracking_peaks(loops, model.period, move, ahead, BINS) for move in moves]
+        peaks = [
+            tracking_peaks(loops, model.period, move, ahead, BINS, running_away=running_away)
+            for move in moves
+        ]
     else:
         plants = model.plants.picked(picked)
         peaks = [_continuous(model, plants, gains, move) for move in moves]

@@ -80,7 +80,7 @@ def check_requirements(
     if requirements.noise_gain is not None:
         met = noise <= requirements.noise_gain
         status = Status.SATISFIED if met else Status.VIOLATED
-        text = f"≤ {exact(requirements.noise_gain)}"
+        text = f"≤ {exact(requirements.noise_gain)} N/m"
         checks.append(Check("noise_gain", "noise_gain", text, noise, status, None))
     return tuple(checks)
 

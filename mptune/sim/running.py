@@ -10,7 +10,7 @@ from mptune.arrays import FloatArray, kernel
 from mptune.loops.velocity import plant_at
 from mptune.params.controller import Feedforward
 from mptune.params.pack import pack_feedforward
-from mptune.sim.sampled import run_linear
+from mptune.sim.sampled import DIVERGED, run_linear
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
@@ -31,9 +31,17 @@ class StepFigures(NamedTuple):
 
 
 def tracking_peaks(
-    loops: FamilyLoops, period: float, move: Moves, ahead: FeedforwardTuple, bins: int
+    loops: FamilyLoops,
+    period: float,
+    move: Moves,
+    ahead: FeedforwardTuple,
+    bins: int,
+    *,
+    running_away: bool = False,
 ) -> FloatArray:
     """Return each plant's peak error in each window of time over its peak velocity [s].
+
+    Of a loop that runs away both peaks are its own growth: it is infinite in every window.
 
     Parameters
     ----------
@@ -47,6 +55,9 @@ def tracking_peaks(
         Feed-forward.
     bins
         Number of windows.
+    running_away
+        Whether loops that run away keep the quotient of their peaks, which tells a search the way
+        back though it says nothing of tracking.
 
     Returns
     -------
@@ -55,7 +66,8 @@ def tracking_peaks(
     """
     ticks = round(move.duration / loops.path.sample_time) // bins * bins
     packed = loops.plants, loops.gains, loops.path
-    return np.asarray(_peaks(*packed, period, move.pieces, ahead, ticks, bins))
+    farthest = np.inf if running_away else DIVERGED * move.reach
+    return np.asarray(_peaks(*packed, period, move.pieces, ahead, ticks, bins, farthest))
 
 
 @kernel
@@ -68,18 +80,22 @@ def _peaks(
     ahead: FeedforwardTuple,
     ticks: int,
     bins: int,
+    farthest: float,
 ) -> FloatArray:
     found = np.zeros((len(plants.mass), bins))
     for n in range(len(plants.mass)):
         traces = run_linear(plant_at(plants, n), gains, path, period, pieces, ahead, ticks)
-        fastest, per_bin = 0.0, ticks // bins
+        fastest, per_bin, stays = 0.0, ticks // bins, True
         for tick in range(ticks):
             error, speed = abs(traces[0, tick] - traces[1, tick]), abs(traces[2, tick])
             place = tick // per_bin
             if not error <= found[n, place]:  # what is no number counts as the largest
                 found[n, place] = error
             fastest = max(fastest, speed)
+            stays = stays and abs(traces[1, tick]) <= farthest  # what is no number does not
         found[n] /= fastest
+        if not stays and farthest < np.inf:
+            found[n] = np.inf
     return found
 
 

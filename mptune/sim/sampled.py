@@ -53,7 +53,7 @@ if TYPE_CHECKING:
     from mptune.params.packed import FeedforwardTuple, LoopGains, MeasurementPath, StateEstimator
     from mptune.params.study import ResolvedStudy
 
-_DIVERGED = 20.0  # times the longest move
+DIVERGED = 20.0  # times the longest move, from which a loop is said to run away
 
 
 @dataclass(frozen=True, repr=False)
@@ -183,7 +183,7 @@ def _judge(
     traces: FloatArray,
 ) -> LinearMove:
     wanted, position, velocity, force = traces
-    limit = _DIVERGED * reach
+    limit = DIVERGED * reach
     stable = bool(np.isfinite(traces).all() and np.abs(position).max() <= limit)
     index = float("nan")
     if stable:

@@ -86,6 +86,8 @@ def _status(results: Results) -> Iterator[str]:
         yield in_a_sentence(results.changes)
     elif results.verified is None and results.verdict.word not in (Headline.MET, Headline.ON_PAPER):
         yield NOT_RUN
+    if results.papers_frame is not None:
+        yield results.papers_frame.brief
 
 
 def tuning(tuned: TuneResult) -> list[str]:
@@ -97,9 +99,12 @@ def tuning(tuned: TuneResult) -> list[str]:
         f"{1e3 * before.tracking:.2f} → {1e3 * after.tracking:.2f} ms, integral gain "
         f"{before.integral_gain:.3g} → {after.integral_gain:.3g} 1/s², load step "
         f"{1e6 * before.load_step:.3g} → {1e6 * after.load_step:.3g} mm/kN, bandwidth "
-        f"{before.bandwidth:.3g} → {after.bandwidth:.3g} rad/s."
+        f"{before.bandwidth:.3g} → {after.bandwidth:.3g} rad/s"
     )
-    texts = [f"Tuning: {tuned.status.value}.", gained]
+    if after.disk_margin == after.disk_margin:  # else no hold fits into some delay
+        both = number(before.disk_margin, 3), number(after.disk_margin, 3)
+        gained += f", disk margin α as it runs {both[0]} → {both[1]}"
+    texts = [f"Tuning: {tuned.status.value}.", f"{gained}."]
     if tuned.binding:
         texts.append(f"The gains lie at: {', '.join(tuned.binding)}.")
     blocking = tuned.blocking

@@ -178,9 +178,11 @@ def loop_plots(results: Results) -> Chapter:
         *margins(results.sweep).titled(),
         Note(
             "Smallest or largest over all plants; the delay margin is the least φ(ω)/ω over the "
-            "crossovers, α the symmetric disk margin. A dash: some plant is unstable, so that the "
-            "family has no such margin. At F_ref: both loops closed, broken at the force "
-            "reference; sampled: as the target runs it, held and decided at the sampling period."
+            "crossovers, α the symmetric disk margin, the compliance the largest |S|/(mω²), "
+            "position over load force, which only the loop at F_ref has. Another dash: some plant "
+            "is unstable, so that the family has no such margin. At F_ref: both loops closed, "
+            "broken at the force reference; sampled: as the target runs it, held and decided at "
+            "the sampling period."
         ),
         new_page=True,
     )

@@ -233,3 +233,13 @@ def test_discrete_coefficients_are_those_of_tustin(job, text):
     law = discretise(pack_gains(job.tuned.gains), job.study.study.controller.sampling_period)
     for value in law:
         assert f"{value:.12g}" in text
+
+
+def test_the_paper_s_own_frame_stands_beside_as_a_comparison(job, text):
+    text = " ".join(text.split())
+    assert job.papers_frame.index < 0.9 * job.papers_frame.index_before
+    assert "Tuned in the paper's own frame".replace("'", "’") in text.replace("'", "’")
+    assert f"{1e3 * job.papers_frame.index:.2f} ms on paper" in text
+    values = job.json()["papers_frame"]
+    assert {one["figure"] for one in values["changes"]} >= {"force_error_integral_kn2s"}
+    assert values["gains"] != job.json()["tune"]["gains"]
