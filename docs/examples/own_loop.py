@@ -32,9 +32,7 @@ for name, found in designs.items():
 # %%
 for name, found in designs.items():
     peak = found.verdicts[0]
-    print(
-        f"{name}: stability {found.stability}; peak {peak.attained:.4f}, never above {peak.bound:.4f}"
-    )
+    print(f"{name}: stability {found.stability}; peak {peak.attained:.4f} ≤ {peak.bound:.4f}")
 
 # %%
 omega = np.geomspace(0.05, 50, 600)

@@ -3,8 +3,8 @@
 #
 # A rig's force loop is excited with a multisine while reference and force are recorded. `identify`
 # makes a frequency response of the record, fits Eq. 11 with a dead time, and writes the ranges as a
-# study's `[uncertainty]`. No rig is at hand, so that the record is made here: two lags of 8 and 6 ms,
-# 12 ms of dead time, and noise.
+# study's `[uncertainty]`. No rig is at hand, so that the record is made here: two lags of 8 and
+# 6 ms, 12 ms of dead time, and noise.
 
 # %%
 import subprocess
@@ -46,9 +46,9 @@ assert done.returncode in {0, 1}, done.stderr
 
 # %% [markdown]
 # The section goes into a study of its own, which takes everything else from its base. One record
-# is one operating point; several (`--data a.csv --data b.csv`) spread the ranges as the machine does.
-# So narrow a box leaves much room for gain, and the inequalities do not see the position filter: a
-# gain margin of the loop as it runs keeps the tuner away from the edge.
+# is one operating point; several (`--data a.csv --data b.csv`) spread the ranges as the machine
+# does. So narrow a box leaves much room for gain, and the inequalities do not see the position
+# filter: a gain margin of the loop as it runs keeps the tuner away from the edge.
 
 # %%
 section = (PLACE / "boom" / "measured" / "uncertainty.toml").read_text(encoding="utf-8")
