@@ -60,5 +60,5 @@ study_file.write_text(f'base = "{base}"\n{section}\n{margin}', encoding="utf-8")
 study = mptune.load_study(study_file, ["uncertainty.points=3"])
 tuned = mptune.tune_gains(study)
 print(tuned.headline)
-print(tuned.gains)
+print("\n".join(f"{key} = {value:.4g}" for key, value in tuned.gains.model_dump().items()))
 assert tuned.sweep.satisfied

@@ -16,7 +16,7 @@ PLOTS.mkdir(parents=True, exist_ok=True)
 study = mptune.load_study("studies/boom/study.toml", ["uncertainty.points=3"])
 tuned = mptune.tune_gains(study)
 print(tuned.headline)
-print(tuned.gains)
+print("\n".join(f"{key} = {value:.4g}" for key, value in tuned.gains.model_dump().items()))
 
 # %% [markdown]
 # What holds the tuner back is named, and every requirement says what it rests on:

@@ -35,7 +35,9 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     """Add a page per script, its pictures, a page that shows them all, and the sample report."""
     if {path.stem for path in SCRIPTS.glob("*.py")} != set(ORDER):
         raise ValueError("docs/hooks/gallery.py names other scripts than there are")
-    overview = ["# Gallery\n\nEvery picture is made by the script below it, while this site is built.\n"]
+    overview = [
+        "# Gallery\n\nEvery picture is made by the script below it, while this site is built.\n"
+    ]
     for name in ORDER:
         page, pictures = _run(SCRIPTS / f"{name}.py")
         files.append(File.generated(config, f"examples/{name}.md", content=page))
@@ -90,6 +92,7 @@ def _at_the_root() -> Iterator[None]:
     """Return the context of the repository's root, where the scripts are run."""
     here = Path.cwd()
     os.chdir(ROOT)
+    os.environ["COLUMNS"] = "96"  # as wide as a page's text
     try:
         yield
     finally:

@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import re
-from pathlib import Path
 from typing import TYPE_CHECKING, Any, get_args
 
-import click
 import typer
 from mkdocs.structure.files import File, Files
 
@@ -38,7 +36,7 @@ def on_files(files: Files, config: MkDocsConfig) -> Files:
     for room, names in _rooms().items():
         lines = [f"# {room}\n"]
         for name, home in names:
-            lines += [f"## mptune.{name}\n", f"::: {home}\n    options:\n      heading_level: 3\n"]
+            lines.append(f"::: {home}\n    options:\n      heading: mptune.{name}\n")
         files.append(File.generated(config, f"python/{room}.md", content="\n".join(lines)))
     return files
 
@@ -125,13 +123,20 @@ def _first(text: str | None) -> str:
 def _commands() -> Iterator[str]:
     """Yield each command with its arguments and options."""
     group: Any = typer.main.get_command(app)
-    context = click.Context(group, info_name="mptune")
+    context = group.make_context("mptune", [], resilient_parsing=True)
     for name in group.list_commands(context):
         command = group.get_command(context, name)
-        usage = " ".join(command.collect_usage_pieces(click.Context(command, context, name)))
-        yield f"\n## mptune {name}\n\n{command.help}\n\n```text\nmptune {name} {usage}\n```\n"
-        yield "| | |\n|---|---|"
+        arguments = [one.metavar for one in command.params if one.param_type_name == "argument"]
+        usage = " ".join(["mptune", name, *arguments, "[OPTIONS]"])
+        yield f"\n## mptune {name}\n\n{command.help}\n\n```text\n{usage}\n```\n"
+        yield "| argument or option | meaning |\n|---|---|"
         for one in command.params:
-            record = one.get_help_record(context)
-            names, words = record or (one.make_metavar(context), getattr(one, "help", ""))
-            yield f"| `{names}` | {re.sub(r'[|]', '/', words or '')} |"
+            if one.param_type_name == "argument":
+                yield f"| `{one.metavar}` | {_in_a_cell(one.help)} |"
+            else:
+                names, words = one.get_help_record(context)
+                yield f"| `{names}` | {_in_a_cell(words)} |"
+
+
+def _in_a_cell(text: str | None) -> str:
+    return re.sub(r"([|\[\]])", r"\\\1", text or "")
