@@ -7,7 +7,7 @@ PIP := $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 STAMP := $(VENV)/.installed
 STUDY ?= studies/boom/study.toml
 
-.PHONY: run test bench fuzz format setup coverage mutants lock dist
+.PHONY: run test test-all bench fuzz format setup coverage mutants lock dist docs
 
 run: setup
 	$(BIN)/mptune run $(STUDY)
@@ -18,6 +18,26 @@ test: setup
 	$(BIN)/mypy
 	$(BIN)/lint-imports
 	NUMBA_NUM_THREADS=1 $(BIN)/pytest -n 2
+
+# The site, into build/site: the guide, the docstrings, and the examples, which are run for it.
+# Strict: a broken link, a missing section of the README or a failing example ends it.
+docs: setup
+	$(PIP) -c constraints.txt -e ".[docs]"
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+
+# All that `test` runs and every example, under each of the interpreters that are there.
+# INTERPRETERS="python3.12" chooses; uv fetches them: uv python install 3.11 3.12 3.13 3.14
+INTERPRETERS ?= $(shell for one in 3.11 3.12 3.13 3.14; do command -v python$$one; done)
+test-all: test
+	@for python in $(INTERPRETERS); do \
+		$$python -c "" 2>/dev/null || continue; \
+		echo "== $$($$python --version)"; \
+		place=build/$$($$python -c "import sys; print('venv-%d.%d' % sys.version_info[:2])"); \
+		$$python -m venv $$place && \
+		$$place/bin/python -m pip install --quiet --disable-pip-version-check -e ".[test]" && \
+		NUMBA_NUM_THREADS=1 $$place/bin/python -m pytest -q -n 2 -m "not bench and not fuzz" \
+			|| exit 1; \
+	done
 
 bench: setup
 	$(BIN)/pytest -m bench -s -p no:randomly tests/bench

@@ -17,6 +17,7 @@ from mptune.cli.options import (
     SchedulerOption,
     SetOption,
     StudyArgument,
+    TimesOption,
     UncertaintyOption,
     WorkersOption,
     finish,
@@ -59,6 +60,7 @@ def campaign(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Simulate many machines; conclude distributions, worst cases and guarantees."""
     from mptune.cli.show_campaign import needed

@@ -7,7 +7,16 @@ from typing import Annotated
 
 import typer
 
-from mptune.cli.options import OUT, JsonOption, OutOption, QuietOption, SetOption, a_path, finish
+from mptune.cli.options import (
+    OUT,
+    JsonOption,
+    OutOption,
+    QuietOption,
+    SetOption,
+    TimesOption,
+    a_path,
+    finish,
+)
 from mptune.export.formats import Precision, Target
 
 GainsArgument = Annotated[
@@ -46,6 +55,7 @@ def export(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Write the controller for a target, its margins computed as written."""
     from mptune.cli import show

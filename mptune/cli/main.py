@@ -19,6 +19,7 @@ from mptune.cli.campaign import campaign
 from mptune.cli.compare import compare
 from mptune.cli.export import export
 from mptune.cli.identify import identify
+from mptune.cli.journey import Journey
 from mptune.cli.options import (
     OUT,
     ForceOption,
@@ -28,6 +29,7 @@ from mptune.cli.options import (
     QuietOption,
     SetOption,
     StudyArgument,
+    TimesOption,
     UncertaintyOption,
     a_path,
     finish,
@@ -42,11 +44,15 @@ from mptune.escaping import printable
 BAD_INPUT, UNFINISHED, INTERRUPTED = 2, 3, 130
 
 app = typer.Typer(
+    cls=Journey,
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    help="Robust tuning of hydraulic cylinders driven from several supply pressures.",
+    help="Robust tuning of hydraulic cylinders driven from several supply pressures.\n\n"
+    "Write a study with `new`; `run` does the whole job. Or go step by step: `sweep` judges gains, "
+    "`tune` finds better ones, `verify` proves them on the nonlinear machine, `export` hands them "
+    "to a controller. `mptune COMMAND --help` says more.",
 )
 
 
@@ -73,6 +79,7 @@ def sweep(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Draw and store both sides of both inequalities over the grid."""
     from mptune.cli import show
@@ -111,6 +118,7 @@ def verify(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Prove gains on the nonlinear machine."""
     from mptune.cli import show
@@ -145,12 +153,15 @@ def new(
     folder: Annotated[
         Path, typer.Option("--in", parser=a_path, metavar="DIR", help="Where studies live.")
     ] = Path("studies"),
+    quiet: QuietOption = False,
 ) -> None:
     """Write a study to start from."""
     from mptune.cli import show
     from mptune.params.template import write_template
 
-    show.files((write_template(folder, name),))
+    written = write_template(folder, name)
+    if not quiet:
+        show.files((written,))
 
 
 @app.command()

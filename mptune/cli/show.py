@@ -12,10 +12,12 @@ from rich.progress import (
     SpinnerColumn,
     TextColumn,
     TimeElapsedColumn,
+    TimeRemainingColumn,
 )
 from rich.progress import Progress as Bars
 
 from mptune.cli.interrupt import interruptible
+from mptune.cli.stages import telling
 from mptune.cli.terminal import as_json, files, opening, say, show
 
 if TYPE_CHECKING:
@@ -52,11 +54,16 @@ def bars(*columns: ProgressColumn, quiet: bool) -> Iterator[tuple[Callable[[], N
 @contextmanager
 def progress(*, quiet: bool) -> Iterator[Progress]:
     """Yield a function that takes a stage's name and the share of it that is done."""
-    with bars(TimeElapsedColumn(), quiet=quiet) as (check, made):
+    columns = TimeElapsedColumn(), TimeRemainingColumn()
+    with (
+        telling(quiet=quiet) as stages,
+        bars(*columns, quiet=quiet) as (check, made),
+    ):
         tasks: dict[str, Any] = {}
 
         def report(stage: str, share: float) -> None:
             check()
+            stages.take(stage, share)
             for known, task in tasks.items():
                 if known != stage:
                     made.update(task, total=1.0, completed=1.0)

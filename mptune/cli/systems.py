@@ -10,6 +10,7 @@ from mptune.cli.options import (
     QuietOption,
     SetOption,
     StudyArgument,
+    TimesOption,
     UncertaintyOption,
     finish,
 )
@@ -23,6 +24,7 @@ def systems(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Compare the machine with other actuators under the same load and moves."""
     from mptune.cli import show, show_systems

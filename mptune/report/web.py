@@ -138,7 +138,9 @@ def _table(table: Tabular) -> str:
         + "</tr>\n"
         for row in table.rows
     )
-    return f'<div class="wide"><table><thead><tr>{heads}</tr></thead>\n{rows}</table></div>'
+    legend = f'<p class="note">{_words(Note(table.legend))}</p>' if table.legend else ""
+    made = f"<table><thead><tr>{heads}</tr></thead>\n{rows}</table>"
+    return f'<div class="wide">{made}</div>{legend}'
 
 
 def _cell(cell: str | Cell) -> str:

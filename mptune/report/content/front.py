@@ -39,6 +39,10 @@ if TYPE_CHECKING:
 
 
 NOT_RUN = "The nonlinear machine was not run: the requirements are to be met first."
+_GROUNDS = (
+    "Certified: proved for the whole box; grid only: found on the plants of a grid. "
+    "—: rests on no family of plants, or on none of them alone."
+)
 
 
 def front_page(results: Results) -> FrontPage:
@@ -189,7 +193,8 @@ def requirements(checks: Iterable[Check]) -> Tabular:
         for check in checks
     ]
     columns = [*left("Requirement", "Limit"), *right("Found"), *left("Verdict", "Rests on")]
-    return Tabular("Requirements", [*columns, wide("Where", detail=True)], rows)
+    columns.append(wide("Where", detail=True))
+    return Tabular("Requirements", columns, rows, legend=_GROUNDS)
 
 
 def differs(found: Iterable[Difference], title: str = "Made for another model") -> Tabular:

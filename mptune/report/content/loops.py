@@ -36,6 +36,19 @@ if TYPE_CHECKING:
     from mptune.robust.result import Condition, SweepResult
 
 _PATHS = {"none": "without", "filters": "with path", "estimator": "with state estimator"}
+_OF_CONDITIONS = (
+    "Ratio: largest left over right side, attained; at most: never exceeded. Premises: the nominal "
+    "loop is stable, and both plants have as many unstable poles."
+)
+_OF_MARGINS = (
+    "M_S, M_T: peaks of |S| and |T|. Gain margin: factor up to which the loop's gain may rise; "
+    "gain reduction: factor down to which it may fall, 0 where as far as one likes. Delay margin: "
+    "further dead time. Disk margin α: gain and phase change at once. —: not asked of this model."
+)
+_OF_FACTORS = (
+    "Factor: where stability is lost, or for Eq. 17 and 21 no longer guaranteed. Guaranteed: "
+    "proved for the whole box; —: rests on a grid, or on runs."
+)
 
 
 def inequalities(results: Results) -> Chapter:
@@ -86,7 +99,7 @@ def conditions(swept: Mapping[str, SweepResult]) -> Tabular:
         wide("Worst at"),
         *left("Premises", "Verdict"),
     ]
-    return Tabular("Robust stability over the family", columns, rows)
+    return Tabular("Robust stability over the family", columns, rows, legend=_OF_CONDITIONS)
 
 
 def _condition(condition: Condition) -> list[str | Cell]:
@@ -231,7 +244,7 @@ def margins(swept: SweepResult) -> Tabular:
     columns = [Column("Margin"), *right(*(f"velocity\n{path}" for path in paths))]
     columns += right(*(f"position\n{path}" for path in paths))
     columns += right(*(f"at F_ref\n{path}" for path in (*paths, "sampled")))
-    return Tabular("Worst margins of the true family", columns, rows)
+    return Tabular("Worst margins of the true family", columns, rows, legend=_OF_MARGINS)
 
 
 def sensitivities(results: Results) -> Chapter:
@@ -296,7 +309,7 @@ def gain_factors(links: Sequence[Link]) -> Tabular:
         for link in links
     ]
     columns = [*left("Model"), *right("Factor", "Guaranteed"), wide("Limited by")]
-    return Tabular("How far the gain at F_ref may rise", columns, rows)
+    return Tabular("How far the gain at F_ref may rise", columns, rows, legend=_OF_FACTORS)
 
 
 def factors_text(links: Sequence[Link]) -> str:
