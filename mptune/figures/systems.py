@@ -26,6 +26,8 @@ _INDEX, _LOSS = merit("performance_index_ms"), merit("energy_loss_j_per_mm")
 def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
     """Draw every run: filled by its literature's gains, open by the best ones under one rule.
 
+    The machine of a study beside this one is filled by that study's own gains.
+
     Parameters
     ----------
     rows
@@ -58,7 +60,7 @@ def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
 
 
 def _system(axes: Axes, runs: Sequence[dict[str, Any]], title: str, number: int) -> None:
-    """Draw one system: from its literature's controller to its best one."""
+    """Draw one system: from its literature's controller to its best one, as far as they stand."""
     look: dict[str, Any] = {
         "color": _COLORS[number % len(_COLORS)],
         "marker": _MARKERS[number % len(_MARKERS)],
@@ -67,7 +69,6 @@ def _system(axes: Axes, runs: Sequence[dict[str, Any]], title: str, number: int)
     loss = [one[_LOSS.key] for one in runs]
     axes.plot(index, loss, color=look["color"], linewidth=0.8)
     for one, x, y in zip(runs, index, loss, strict=True):
-        first = one["controller"] == "literature"
-        face = look["color"] if first else "white"
-        label = title if first else None
+        face = look["color"] if one["controller"] in {"literature", "its own"} else "white"
+        label = title if one is runs[0] else None
         axes.plot(x, y, markerfacecolor=face, linestyle="none", markersize=6, label=label, **look)
