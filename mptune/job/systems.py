@@ -136,9 +136,11 @@ def compare_systems(
         tuned = tune(study, progress)
         gains, feedforward = tuned.gains, tuned.feedforward
     ahead = feedforward or study.study.feedforward
-    neighbours = tuple(
-        _beside(number, study, other, progress) for number, other in enumerate(others, 1)
-    )
+    neighbours = []
+    for other in others:
+        theirs = tune(other, progress)  # on its own model, by its own requirements
+        key = f"beside_{len(neighbours) + 1}"
+        neighbours.append(neighbour(key, study, other, theirs.gains, theirs.feedforward))
     return contest(
         study,
         lambda one: (
@@ -146,19 +148,6 @@ def compare_systems(
         ),
         progress,
     )  # fmt: skip
-
-
-def _beside(
-    number: int, study: ResolvedStudy, other: ResolvedStudy, progress: Progress
-) -> Contender:
-    """Return another study's machine under this one's load, its gains found on its own model."""
-    from mptune.tune.tuner import tune
-
-    moved = on_the_load_of(study, other)
-    own = _under(moved, ITS_OWN, other.study.gains, other.study.feedforward)
-    tuned = tune(other, progress)
-    best = _under(moved, "tuned", tuned.gains, tuned.feedforward)
-    return Contender(f"beside_{number}", f"study {other.name}", _BOUNDARY, own, (best,))
 
 
 def this_machine(study: ResolvedStudy, tuned: Gains, ahead: Feedforward) -> Iterator[Contender]:
@@ -187,6 +176,31 @@ def this_machine(study: ResolvedStudy, tuned: Gains, ahead: Feedforward) -> Iter
         under = _under(settled, LITERATURE, own, none)
         other = _under(settled, "tuned", tuned, ahead)
         yield Contender("steady_state", "this machine, steady state", _BOUNDARY, under, (other,))
+
+
+def neighbour(
+    key: str, study: ResolvedStudy, other: ResolvedStudy, tuned: Gains, ahead: Feedforward
+) -> Contender:
+    """Return another study's machine under a study's load and moves.
+
+    Parameters
+    ----------
+    key
+        Its key in the comparison.
+    study, other
+        Whose load and moves, and whose machine, controller and own gains.
+    tuned, ahead
+        The gains and the feed-forward of the other's tuner, which the common rule may choose.
+
+    Raises
+    ------
+    InputError
+        If the other's machine cannot make these moves.
+    """
+    moved = on_the_load_of(study, other)
+    own = _under(moved, ITS_OWN, other.study.gains, other.study.feedforward)
+    best = _under(moved, "tuned", tuned, ahead)
+    return Contender(key, f"study {other.name}", _BOUNDARY, own, (best,))
 
 
 def _on_settled_pressures(study: ResolvedStudy, weights: SteadyState) -> ResolvedStudy:

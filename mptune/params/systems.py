@@ -235,3 +235,8 @@ class Systems(Section):
     steady_state: SteadyState | None = Field(
         None, description="this machine, deciding on settled pressures"
     )
+
+    def parts(self) -> dict[str, Section]:
+        """Return the systems that are compared, by the name of their section."""
+        named = ((name, getattr(self, name)) for name in type(self).model_fields)
+        return {name: part for name, part in named if isinstance(part, Section)}

@@ -25,7 +25,6 @@ from mptune.units import number, shown
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from mptune.params.section import Section
     from mptune.report.results import Results
 
 RULE = (
@@ -128,10 +127,7 @@ def _parameters(results: Results) -> Iterator[Block]:
     """Yield each system's parameters with the word of their source."""
     asked = results.study.study.systems
     columns = [wide("Symbol", 1.6), wide("Meaning", 5.2), wide("Value", 3.6), wide("Source", 6.6)]
-    for name in type(asked).model_fields:
-        part: Section | float | None = getattr(asked, name)
-        if part is None or isinstance(part, int | float):
-            continue
+    for name, part in asked.parts().items():
         body: list[Row] = [
             [
                 symbol(mark),
