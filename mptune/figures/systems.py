@@ -20,6 +20,7 @@ _COLORS = (
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#999999", "black",
 )  # fmt: skip
 _MARKERS = "osD^vP*X"
+_ROOM = 1.3  # times the largest index, where the next tick may stand
 _INDEX, _LOSS = merit("performance_index_ms"), merit("energy_loss_j_per_mm")
 
 
@@ -50,13 +51,20 @@ def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
             for axes in panels:
                 if one.key in dict(systems):
                     axes.axhline(one.loss, color="#bbbbbb", linewidth=0.7, linestyle=":", zorder=0)
+        ticks = _ticks_among([one[_INDEX.key] for one in runs])
         for axes in panels:
-            ticks = [10, 20, 30, 50, 100, 200]
             axes.set_xticks(ticks, [str(tick) for tick in ticks])
             axes.minorticks_off()
         panels[0].set_ylabel(_LOSS.axis)
         legend_below(figure, *panels, columns=3)
     return figure
+
+
+def _ticks_among(values: Sequence[float]) -> list[int]:
+    """Return round numbers from just below the least of some values to just above the largest."""
+    room = (min(values, default=10) / _ROOM, max(values, default=100) * _ROOM)
+    steps = (factor * 10**decade for decade in range(5) for factor in (1, 2, 3, 5))
+    return [tick for tick in steps if room[0] <= tick <= room[1]]
 
 
 def _system(axes: Axes, runs: Sequence[dict[str, Any]], title: str, number: int) -> None:

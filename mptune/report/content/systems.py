@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from mptune.params.paper import OTHER_SYSTEMS
+from mptune.params.paper import MEASURED_INDEX_RANGE, MEASURED_LOSS, OTHER_SYSTEMS
 from mptune.report.blocks import (
     Block,
     Cell,
@@ -63,10 +63,9 @@ def systems(results: Results) -> Chapter | None:
 
 def compared(rows: Sequence[dict[str, Any]]) -> Tabular:
     """Return the table of all runs, beside what §7 tells."""
-    told = {one.key: one for one in OTHER_SYSTEMS}
     body: list[Row] = []
     for run in (one for one in rows if one["kind"] == "run"):
-        paper = told.get(run["system"])
+        index, loss = _told(run["system"], run["mass_kg"])
         body.append(
             [
                 run["title"],
@@ -74,9 +73,9 @@ def compared(rows: Sequence[dict[str, Any]]) -> Tabular:
                 f"{run['mass_kg'] / 1e3:g}",
                 _text(run[_INDEX.key]) if run["stable"] else Cell("not stable", "bad"),
                 _text(run["reference_index_ms"]),
-                paper.index if paper else "–",
+                index,
                 _text(run[_LOSS.key]),
-                number(paper.loss, 3) if paper else "–",
+                loss,
                 _text(run["returned_j_per_mm"]),
                 _text(run[_FORCE.key]),
                 _text(run["valve_switches"]),
@@ -93,6 +92,17 @@ def compared(rows: Sequence[dict[str, Any]]) -> Tabular:
         *right("Residual", detail=True),
     ]
     return Tabular("Systems under the same load and moves", columns, body, keep=False)
+
+
+def _told(system: str, mass: float) -> tuple[str, str]:
+    """Return what §7 tells of a system's index [ms] and loss [J/mm] on a mass [kg]."""
+    for one in OTHER_SYSTEMS:
+        if one.key == system and one.mass in {None, mass}:
+            return one.index, number(one.loss, 3)
+    if system != "this_machine" or mass not in MEASURED_LOSS:
+        return "–", "–"
+    least, largest = MEASURED_INDEX_RANGE[mass]
+    return f"{number(1e3 * least, 2)}–{number(1e3 * largest, 2)}", number(MEASURED_LOSS[mass], 3)
 
 
 def boundaries(rows: Sequence[dict[str, Any]]) -> Tabular:
