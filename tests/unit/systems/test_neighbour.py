@@ -43,3 +43,18 @@ def test_the_literature_s_four_chamber_controller_has_nothing_fed_forward(short)
     assert one.literature.run(FEW, 1.0).sets == without.literature.run(FEW, 1.0).sets
     own, tuned = one.others
     assert tuned.run(FEW, 1.0).worth < 0.8 * own.run(FEW, 1.0).worth
+
+
+def four_chambers_ahead(study, **changes):
+    """Sets of the four-chamber cylinder under this study's gains with a feed-forward."""
+    values = {"acceleration_mass": 30e3, **changes}
+    ahead = Feedforward.model_validate(values, context={"si": True})
+    entrants = contenders(study, study.study.gains, ahead)
+    return next(one for one in entrants if one.key == "four_chamber").others[1].run(FEW, 1.0)
+
+
+def test_the_four_chambers_hear_the_acceleration_ahead_and_learn_no_mass(short):
+    plain = four_chambers_ahead(short)
+    assert four_chambers_ahead(short, preview=0.012).sets != plain.sets
+    assert four_chambers_ahead(short, coulomb_friction=750.0).sets != plain.sets
+    assert four_chambers_ahead(short, adaptive_mass=True).sets == plain.sets
