@@ -44,8 +44,8 @@ def systems(results: Results) -> Chapter | None:
     return Chapter.of(
         "Other systems under the same load",
         Figure(
-            "Loss over index: filled by its literature's controller or a study's own gains, open by "
-            "the best one under the common rule; dotted, the losses that §7 tells.",
+            "Loss over index: filled by its literature's controller or a study's own gains, open "
+            "by the best one under the common rule; dotted, the losses that §7 tells.",
             "systems",
         ),
         Prose(RULE),
