@@ -136,7 +136,7 @@ def compare_systems(
         tuned = tune(study, progress)
         gains, feedforward = tuned.gains, tuned.feedforward
     ahead = feedforward or study.study.feedforward
-    neighbours = []
+    neighbours: list[Contender] = []
     for other in others:
         theirs = tune(other, progress)  # on its own model, by its own requirements
         key = f"beside_{len(neighbours) + 1}"
