@@ -50,7 +50,7 @@ from mptune.systems.secondary_force import (
     force_range,
     four_chambers,
 )
-from mptune.systems.sensing import Sensors, sense, settled_sensors
+from mptune.systems.sensing import Sensed, sense, settled_sensors
 from mptune.systems.switching import Timing, openings, switch, timing_of
 from mptune.systems.trace import note
 
@@ -121,7 +121,7 @@ def _start_pressures(load: float, chambers: PistonChambers, lines: Lines) -> Flo
 @kernel
 def _run_ticks(
     state: FloatArray,
-    sensors: Sensors,
+    sensors: Sensed,
     outer: FloatArray,
     memory: IntArray,
     valves: ValveState,
