@@ -33,10 +33,11 @@ def systems(
 
     loaded = load_study(study, override or (), uncertainty)
     with show.progress(quiet=quiet) as report:
-        result, files = systems_study(loaded, out, report, gains)
+        compared = systems_study(loaded, out, report, gains)
     if json:
-        show.as_json(with_warnings(result.json(), loaded))
+        show.as_json(with_warnings(compared.json(), loaded))
     else:
-        show_systems.systems(result)
-        show.files(files)
-    finish(met=result.satisfied)
+        show.elsewhere(compared.differs)
+        show_systems.systems(compared.result)
+        show.files(compared.files)
+    finish(met=compared.result.satisfied)

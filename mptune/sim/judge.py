@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
@@ -49,7 +49,7 @@ class SetFigures:
     final_error_mm: float  # largest at the end of a rest
     peak_velocity_mm_s: float
     valve_switches: int
-    converter_peak_mm: float
+    converter_peak_mm: float = field(default=np.nan, kw_only=True)
     pressure_min_mpa: float
     pressure_max_mpa: float
     energy_residual: float  # what the energies fail to close by, over the energy put in
@@ -65,7 +65,6 @@ def set_figures(record: RunRecord) -> SetFigures:
     low, high = record.force_limits
     at_limit = (record.force_reference <= low) | (record.force_reference >= high)
     pressures = np.array([np.nan]) if record.pressures is None else record.pressures
-    converters = np.array([np.nan]) if record.converters is None else record.converters
     error, velocity = record.error, record.velocity
     duration = tick * len(error)
     return SetFigures(
@@ -76,13 +75,13 @@ def set_figures(record: RunRecord) -> SetFigures:
         final_error_mm=1e3 * float(np.abs(error[last]).max()),
         peak_velocity_mm_s=1e3 * float(np.abs(velocity).max()),
         valve_switches=record.switches,
-        converter_peak_mm=1e3 * float(np.abs(converters).max()),
         pressure_min_mpa=float(pressures.min()) / 1e6,
         pressure_max_mpa=float(pressures.max()) / 1e6,
         energy_residual=record.energies.residual,
         oscillation=longest_oscillation(velocity, record.velocity_reference, tick),
         saturated_s=float(at_limit.sum()) * tick,
         busiest_valve_per_s=np.nan if record.busiest is None else record.busiest / duration,
+        **record.own_figures,
     )
 
 

@@ -1,13 +1,13 @@
 """A neutral record of one movement set: what moved the load, and at what cost, whatever it was.
 
 §7's figures of merit are judged from it, so that a cylinder with on/off valves, a servo valve or a
-pump are judged alike. What only some machines have, chamber pressures and converter pistons, may
-be left out.
+pump are judged alike. Chamber pressures may be left out; what only one kind of machine has it
+judges itself, and hands over as figures of its own.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -100,8 +100,8 @@ class RunRecord(Summarised):
         Limits that were broken, in the order of time.
     pressures
         ``(T, P)`` of the chambers [Pa]; None where there are none.
-    converters
-        ``(T, C)`` of the converter pistons from their centres [m]; None where there are none.
+    own_figures
+        Figures that only this kind of machine has, by their key in ``mptune.sim.merit``.
     busiest
         How often the valve that switches most was switched in the set; None where it was not
         counted.
@@ -122,15 +122,15 @@ class RunRecord(Summarised):
     force_limits: tuple[float, float] = (-np.inf, np.inf)
     broken: tuple[BrokenLimit, ...] = ()
     pressures: FloatArray | None = None
-    converters: FloatArray | None = None
+    own_figures: Mapping[str, float] = field(default_factory=dict)
     busiest: int | None = None
 
     def __post_init__(self) -> None:
         """Look at every array through a view that nobody can write to."""
-        for field in fields(self):
-            value = getattr(self, field.name)
+        for one in fields(self):
+            value = getattr(self, one.name)
             if isinstance(value, np.ndarray):
-                object.__setattr__(self, field.name, frozen(value.view()))
+                object.__setattr__(self, one.name, frozen(value.view()))
 
     @property
     def headline(self) -> str:

@@ -83,7 +83,8 @@ RECORD = RunRecord(
 
 def case_of(mass, status=CaseStatus.STABLE):
     """Return a machine with twenty movement sets, or with none where it was not stable."""
-    one = SetFigures(15.0, 19.0, 19.0, 41.0, 0.3, 111.0, 840, 50.0, 0.6, 15.9, 1e-3, 3, 0.0)
+    figures = (15.0, 19.0, 19.0, 41.0, 0.3, 111.0, 840, 0.6, 15.9, 1e-3, 3, 0.0)
+    one = SetFigures(*figures, converter_peak_mm=50.0)
     stable = status is CaseStatus.STABLE
     return CaseResult(
         mass_kg=mass, valve_delay_s=(5e-3, 8e-3), oil_bulk_modulus_pa=1.2e9, load_force_n=9700.0,

@@ -77,7 +77,7 @@ def test_every_system_is_shown_by_its_literature_and_by_a_better_controller(resu
 
 def test_figures_of_a_run_by_hand(result):
     outcome = result.runs[1].outcome  # 49 t, 2.45 mm behind at 100 mm/s
-    assert len(outcome.sets) == 4  # of five, the first left out
+    assert len(outcome.sets) == 8  # of nine, the first left out
     assert outcome.mean("performance_index_ms") == pytest.approx(24.5)
     assert outcome.reference_index_ms == pytest.approx(24.5 * 100 / 80)
     assert outcome.mean("energy_loss_j_per_mm") == pytest.approx(20.0)
