@@ -212,6 +212,7 @@ def run_linear(
     ahead: FeedforwardTuple,
     ticks: int,
     estimator: StateEstimator = NO_ESTIMATOR,
+    load: float = 0.0,
 ) -> FloatArray:
     """Return reference, position, velocity and F_ref at each fast tick, ``(4, T)``.
 
@@ -230,6 +231,8 @@ def run_linear(
         Number T of fast ticks.
     estimator
         The state estimator; the filters of ``path`` without one.
+    load
+        A load force that sets in at time 0 [N]; against positive motion, as in Eq. 1.
     """
     fast, pole = path.sample_time, path.filter_pole
     every = round(period / fast)
@@ -271,4 +274,6 @@ def run_linear(
             move_on(state, plant, applied, after_it)
         else:
             move_on(state, plant, applied, whole_tick)
+        state[3] -= load * fast * fast / (2 * plant.mass)
+        state[2] -= load * fast / plant.mass
     return traces
