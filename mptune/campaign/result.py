@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 QUANTILES = (0.0, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 _LISTED = 100  # failed runs by number; the file holds them all
-_KEY_UNITS = {"kg": "_kg", "s": "_s", "Pa": "_pa", "N": "_n", "K": "_k", "1": ""}
+_KEY_UNITS = {"kg": "_kg", "s": "_s", "Pa": "_pa", "N": "_n", "K": "_k", "m": "_m", "1": ""}
 
 
 @dataclass(frozen=True, repr=False)

@@ -60,6 +60,7 @@ def campaign(result: CampaignResult) -> None:
     columns = [*left("Figure"), *right(*(f"{100 * share:g} %" for share in _SHOWN), "Worst", "Run")]
     columns.append(Column("Goes most with (rank correlation)"))
     show(Tabular(title, columns, [_distribution(result, figure) for figure in FIGURES]))
+    say(_drawn(result.plan))
     for reason, count in result.reasons().items():
         say(f"failed: {count} of {result.plan.runs}, {reason}")
     duty = 100 * result.plan.study.study.verification.duty
@@ -70,6 +71,17 @@ def campaign(result: CampaignResult) -> None:
     say(_guarantee(result))
     met = result.satisfied
     say(verdict("satisfied" if met else "violated", good=met))
+
+
+def _drawn(plan: Plan) -> str:
+    """Return the ranges that were drawn from."""
+    units, box = tuple(PARAMETER_UNITS.items()), plan.box
+    ranges = [
+        f"{units[place][0].replace('_', ' ')} "
+        + shown((float(box.low[place]), float(box.high[place])), units[place][1], ranged=True)
+        for place in box.varying
+    ]
+    return f"Drawn: {'; '.join(ranges) or 'nothing'}."
 
 
 def _distribution(result: CampaignResult, figure: str) -> Row:
