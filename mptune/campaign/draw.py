@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from mptune.campaign.scaled_moves import scaled
 from mptune.campaign.temperature import temperature_factors
 from mptune.errors import Fault, InputError
 from mptune.params.campaign import Campaign
@@ -17,7 +18,6 @@ from mptune.verify.verify import Case, check_delay, check_repeats, delays_of, ri
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
     from mptune.params.controller import Feedforward, Gains
-    from mptune.params.manoeuvre import Manoeuvre
     from mptune.params.study import ResolvedStudy
     from mptune.verify.verify import Rig
 
@@ -158,19 +158,3 @@ def _with_hoses(study: ResolvedStudy, draw: Draw) -> ResolvedStudy:
         return study
     hose = machine.hose.model_copy(update={"dynamics": lines})
     return study.model_copy(update={"study": machine.model_copy(update={"hose": hose})})
-
-
-def scaled(move: Manoeuvre, distance: float, duration: float) -> Manoeuvre:
-    """Return a manoeuvre with its length and time multiplied; its rest stays as it is."""
-    samples = tuple(
-        (time * duration, move.samples[0][1] + (place - move.samples[0][1]) * distance)
-        for time, place in move.samples
-    )
-    values = {
-        "distance": move.distance * distance,
-        "speed": move.speed * distance / duration,
-        "ramp": move.ramp * duration,
-        "duration": move.duration * duration,
-        "samples": samples,
-    }
-    return move.model_copy(update=values)

@@ -41,7 +41,7 @@ class CampaignResult(Summarised, Drawn, Labelled):
     plan
         What was run; its ``points`` hold the parameters.
     figures
-        ``(R, 12)`` in the order of ``FIGURES``, §7's units; NaN where a run has none.
+        ``(R, 15)`` in the order of ``FIGURES``, §7's units; NaN where a run has none.
     status, reason
         ``(R,)`` how each closed loop behaved, and why a run failed (empty where it did not).
     """

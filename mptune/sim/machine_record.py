@@ -74,6 +74,7 @@ def record_of(
         pressures=trace[:, _CHAMBERS],
         converters=trace[:, _CONVERTERS],
         busiest=busiest,
+        commands=moves.commands,
     )
 
 
