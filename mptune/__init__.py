@@ -112,7 +112,7 @@ if TYPE_CHECKING:
     from mptune.shape.structure import pid as pid_structure
     from mptune.shape.structure import position as position_structure
     from mptune.sim.judge import SetFigures
-    from mptune.sim.record import BrokenLimit, Energies, RunRecord
+    from mptune.sim.record import BrokenLimit, CommandedSpeed, Energies, RunRecord
     from mptune.sim.sampled import LinearMove, linear_moves
     from mptune.systems.outcome import Outcome
     from mptune.systems.result import CalibratedValue, SystemRun, SystemsResult
@@ -192,7 +192,7 @@ _MODULES = {
         "pid_structure, position as position_structure"
     ),
     "sim.judge": "SetFigures",
-    "sim.record": "BrokenLimit, Energies, RunRecord",
+    "sim.record": "BrokenLimit, CommandedSpeed, Energies, RunRecord",
     "sim.sampled": "LinearMove, linear_moves",
     "systems.outcome": "Outcome",
     "systems.result": "CalibratedValue, SystemRun, SystemsResult",
@@ -221,7 +221,8 @@ _HOMES = {
 __all__ = [
     "LEDGER", "PUBLISHED_GAINS", "Agreement", "Band", "Baseline", "Blocking", "Bound", "Box",
     "BoxStability", "BoxedLoop", "Bracket", "BrokenLimit", "CalibratedValue", "CampaignResult",
-    "CaseResult", "CaseStatus", "Certainty", "Certificates", "Change", "Check", "Concave",
+    "CaseResult", "CaseStatus", "Certainty", "Certificates", "Change", "Check", "CommandedSpeed",
+    "Concave",
     "Concession", "Condition", "Cone", "Design", "Difference", "Doubt", "Draw", "Energies",
     "Excitation", "Family", "FamilyLoops", "Fault", "Feedforward", "Figures", "Fit", "FitStatus",
     "ForceController", "ForceResponse", "FrequencyResponse", "Front", "FrontPoint", "Function",

@@ -32,7 +32,7 @@ StudyOption = Annotated[
     ),
 ]
 ToOption = Annotated[
-    Target, typer.Option(help="fmu: FMI 2.0 and 3.0; st: IEC 61131-3, outer loops and filters.")
+    Target, typer.Option(help="fmu: FMI 2.0 and 3.0; st: IEC 61131-3, all but the decision.")
 ]
 PrecisionOption = Annotated[Precision, typer.Option(help="Arithmetic of the target.")]
 DigitsOption = Annotated[

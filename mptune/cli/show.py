@@ -109,10 +109,11 @@ def sweep(result: SweepResult, chain: tuple[Link, ...] = ()) -> None:
 def verified(result: VerifyResult) -> None:
     """Print each machine's figures and status."""
     from mptune.report.content.closed_loop import busiest_valve, machines
+    from mptune.report.content.commanded import commanded_speeds
     from mptune.report.content.front import standing
 
     opening([], standing(result.study))
-    show(machines(result))
+    show(*filter(None, (machines(result), commanded_speeds(result))))
     say(busiest_valve(result))
 
 

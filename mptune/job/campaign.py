@@ -116,4 +116,5 @@ def _drawn(plan: Plan, case: CaseResult, out: str | Path, name: str) -> Path:
     from mptune.figures.style import to_svg
 
     folder = make_folder(Path(out) / plan.study.name)
-    return write_whole(folder / f"{name}.svg", to_svg(machine_traces(case)))
+    svg = to_svg(machine_traces(case, plan.feedforward))
+    return write_whole(folder / f"{name}.svg", svg)

@@ -43,8 +43,9 @@ def draw(result: JobResult, counts: tuple[Encirclements, ...]) -> tuple[dict[str
     }
     if swept.certificates is not None:
         figures["certificates"] = to_svg(certified_worst_cases(swept))
+    fed = result.verified.feedforward if result.verified else None
     for case in result.verified.worst_per_mass() if result.verified else ():
-        figures[machine_figure(case.mass_kg)] = to_svg(machine_traces(case))
+        figures[machine_figure(case.mass_kg)] = to_svg(machine_traces(case, fed))
     return figures, to_png(panels)
 
 

@@ -74,6 +74,7 @@ def record_of(
         pressures=trace[:, _CHAMBERS],
         own_figures={"converter_peak_mm": 1e3 * float(np.abs(trace[:, _CONVERTERS]).max())},
         busiest=busiest,
+        commands=moves.commands,
     )
 
 

@@ -72,6 +72,15 @@ class BrokenLimit(NamedTuple):
     at: float  # s, since the run began
 
 
+class CommandedSpeed(NamedTuple):
+    """A manoeuvre of kind ``velocity`` in a movement set, times since the set began [s]."""
+
+    begin: float
+    stop: float  # when the reference stands again
+    end: float  # of the rest
+    speed: float  # m/s, signed
+
+
 @dataclass(frozen=True, repr=False)
 class RunRecord(Summarised):
     """One movement set of one load.
@@ -105,6 +114,8 @@ class RunRecord(Summarised):
     busiest
         How often the valve that switches most was switched in the set; None where it was not
         counted.
+    commands
+        The moves that are a commanded speed over time.
     """
 
     sample_time: float
@@ -124,6 +135,7 @@ class RunRecord(Summarised):
     pressures: FloatArray | None = None
     own_figures: Mapping[str, float] = field(default_factory=dict)
     busiest: int | None = None
+    commands: tuple[CommandedSpeed, ...] = ()
 
     def __post_init__(self) -> None:
         """Look at every array through a view that nobody can write to."""
