@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from mptune.arrays import Complex, FloatArray, Real, kernel
-from mptune.certify.enclosure import DELAY, OMEGA, PHASE, RATIO, SIDES, TAU_A, TAU_B
+from mptune.certify.enclosure import DELAY, GAIN, OMEGA, PHASE, RATIO, SIDES, TAU_A, TAU_B
 from mptune.certify.form import COMPLIANCE, EQUATION_17, MIXTURE, Form
 from mptune.loops.broken import SAMPLED, loop_around, position_loop, velocity_loop
 from mptune.loops.position import position_error
@@ -31,7 +31,8 @@ def gain_at(form: Form, point: FloatArray) -> Complex:
     """Return the loop gain that a mixture of S and T is made of, at a point ``(SIDES,)``."""
     s = complex(0.0, max(point[OMEGA], _LOWEST))
     plant = _plant(form, point)
-    turn = complex(math.cos(point[PHASE]), -math.sin(point[PHASE]))
+    gain = math.exp(point[GAIN])
+    turn = complex(gain * math.cos(point[PHASE]), -gain * math.sin(point[PHASE]))
     if form.loop == SAMPLED:
         count = coefficient_count(plant.delay, form.path, form.period)
         sampled = sampled_plant(plant, form.path, form.period, count)

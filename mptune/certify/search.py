@@ -17,8 +17,10 @@ import numpy as np
 
 from mptune.arrays import FloatArray, kernel
 from mptune.certify.balls import ROUND
+from mptune.certify.clearance import clearance
 from mptune.certify.climb import figure_at
 from mptune.certify.enclosure import (
+    GAIN,
     OMEGA,
     RATIO,
     SIDES,
@@ -26,7 +28,6 @@ from mptune.certify.enclosure import (
     TAU_B,
     Enclosed,
     PlantDiscs,
-    clearance,
     enclose,
     plant_over,
 )
@@ -161,6 +162,7 @@ def _weights(rest: Rest, share_a: float, low: FloatArray, high: FloatArray) -> t
         return 1.0, 0.0  # nothing can be proved
     fall = _FOLDED_CARE * (share_a / low[TAU_A] + (1 - share_a) / low[TAU_B])
     left = rest.fixed + min(rest.near, fall * rest.near_rate) + fall * rest.rate
+    left *= np.exp(high[GAIN])
     if rest.sought == 0:
         return left * left * _CARE, 1.0
     if rest.time > 0:
@@ -207,7 +209,7 @@ def _clear(
     half: FloatArray,
 ) -> bool:
     """Return whether the denominator stays clear of zero, if that is what is asked."""
-    if num > _FAR * den:
+    if num > _FAR * den and half[GAIN] == 0:
         return False
     least = clearance(plant, row, terms, centre, half)
     top = stored(row, terms + DELTA_N)  # |n|², n_1 = 0
@@ -252,6 +254,8 @@ def _eased(side: int, slope: float, rest: Rest) -> bool:
         return False
     if side in (TAU_A, TAU_B) or (side == RATIO and rest.time > 0):
         return slope > 0
+    if side == GAIN:
+        return slope < 0
     return side == OMEGA and rest.time > 0 and slope < 0
 
 
@@ -260,6 +264,8 @@ def _widest(centre: FloatArray, half: FloatArray, slopes: FloatArray, spreads: F
     """Return the side over which F may move most, −1 where all are too short to be split."""
     side, most = -1, 0.0
     for i in range(SIDES):
+        if i == GAIN and side >= 0:
+            continue  # what it does is known for its whole length
         reach = (abs(slopes[i]) + spreads[i]) * half[i]
         if reach > most and half[i] > _SMALLEST * abs(centre[i]) + _TINY:
             side, most = i, reach

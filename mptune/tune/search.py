@@ -143,7 +143,8 @@ class GainSearch:
         for n, start in enumerate(starts):
             outcomes.append(self._from(start))
             progress("tune", 0.7 * (n + 1) / (n + 2))
-            if n + 1 >= _LEAST_STARTS and _agree(outcomes) and not self._space.crowded:
+            alone = not self._space.crowded
+            if n + 1 >= _LEAST_STARTS and (alone or self._model.estimated) and _agree(outcomes):
                 break
         best = min(outcomes, key=_rank)
         if not _agree(outcomes):
@@ -155,7 +156,8 @@ class GainSearch:
         for n in range(_ROUNDS):
             best = self._again(best) if n > 0 else best
             choice = self._space.choice(best.point)
-            worst, more = self._required.grow(choice.gains)
+            by = choice.put_over(self._model).filters
+            worst, more = self._required.grow(choice.gains, by)
             asked, slower = self._judge.grow(choice, self._worth.kinds)
             worst += self._worth.bounded(asked)
             largest = max(one.excess for one in worst)
@@ -169,7 +171,8 @@ class GainSearch:
             best = self._nearest(best)
             choice = self._space.choice(best.point)
             asked = self._judge.grow(choice, self._worth.kinds)[0]
-            worst = (*self._required.worst(choice.gains), *self._worth.bounded(asked))
+            by = choice.put_over(self._model).filters
+            worst = (*self._required.worst(choice.gains, by), *self._worth.bounded(asked))
             feasible = max(one.excess for one in worst) <= _MET
         progress("tune", 1.0)
         return Searched(
