@@ -140,6 +140,19 @@ def plant_over(
 
 
 @kernel
+def force_over(
+    row: FloatArray, shifts: FloatArray, share_a: float, centre: FloatArray, half: FloatArray
+) -> PlantDiscs:
+    """Return the sum of a row's terms that know nothing of the mass, as ``plant_over`` does."""
+    terms = len(shifts)
+    found = _without_mass(_term(stored(row, terms - 1), shifts[-1], share_a, centre, half))
+    for k in range(terms - 1):
+        one = _term(stored(row, k), shifts[k], share_a, centre, half)
+        found = _sum(found, _without_mass(one))
+    return found
+
+
+@kernel
 def _amplified(one: PlantDiscs, level: float, half: float) -> PlantDiscs:
     """Return Ŷ and its derivatives times e^γ, for γ within ``half`` of a level."""
     if level == 0 and half == 0:
