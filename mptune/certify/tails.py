@@ -96,7 +96,8 @@ def _estimated_start(form: Form, ratio: float, level: float) -> float:
 def _estimated_bound(form: Form, ratio: float, omega: float, whole: float) -> float:
     if form.figure == COMPLIANCE:
         turn = omega * form.nominal.mass / form.gains.k_p_vel  # p
-        return _CARE * ratio / turn**2 / (1 - whole) if whole < 1 else float("inf")
+        soft = ratio * (1 + whole) / turn**2  # |L_F| is among the terms that |L| is bounded by
+        return _CARE * soft / (1 - whole) if whole < 1 else float("inf")
     return _mixture_bound(form, whole, 0.0, whole)
 
 

@@ -127,7 +127,7 @@ def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult
         tuned = replace(tuned, sweep=with_radii(tuned.sweep))
         progress("linear check", 0.0)
         moves_before = linear_moves(study)
-        moves = linear_moves(study, tuned.gains, tuned.feedforward)
+        moves = linear_moves(tuned.sweep.study, tuned.gains, tuned.feedforward)
         progress("chain", 0.0)
         links = chain(tuned.sweep)
         judgement = judge(tuned.sweep.checks, links)
@@ -143,7 +143,9 @@ def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult
         frame = papers_frame(study, before, progress)
     if verified is not None:
         progress("chain", 0.0)
-        machine = machine_gain_limit(study, verified.gains, verified.feedforward, progress)
+        machine = machine_gain_limit(
+            tuned.sweep.study, verified.gains, verified.feedforward, progress
+        )
         links = (*links, as_verified(machine, verified))
         judgement = judge((*tuned.sweep.checks, *machine_checks(verified)), links)
         whole = gains_file(tuned.sweep, tuned.feedforward, moves, verified, judgement)
@@ -173,7 +175,7 @@ def _verified(
     progress("verify", 0.0)
     verified = verify(file.put_over(study), progress=progress)
     own = study.study
-    if (file.gains, file.feedforward) == (own.gains, own.feedforward):
+    if all(getattr(own, name) == section for name, section in file.chosen.items()):
         return verified, verified
     progress("verify own", 0.0)
     return verified, verify(study, progress=lambda _, share: progress("verify own", share))

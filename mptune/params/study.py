@@ -24,7 +24,7 @@ from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
-CHOSEN = ("gains", "feedforward")
+CHOSEN = ("gains", "feedforward", "estimator")
 """Sections that a tuner may choose: they stand in gains files and outside the model's hash."""
 
 SOURCE_KINDS = ("published", "derived", "assumed", "calibrated", "measured")
@@ -102,6 +102,16 @@ class Study(Summarised, Section):
                 'has model.measurement_path = "filters" with a state estimator, around which no '
                 "velocity loop separates",
                 'set model.measurement_path = "none"; requirements then rest on F_ref',
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _an_estimator_to_turn(self) -> Self:
+        turned = [one for one in self.objective.turned if one.startswith("estimator_")]
+        if turned and self.estimator.kind == "filters":
+            refuse(
+                f"has {turned[0]} in objective.free, but no state estimator",
+                'set estimator.kind = "state", or leave it out',
             )
         return self
 
@@ -198,6 +208,8 @@ class ResolvedStudy(Summarised, Section):
         tried_on = {"verification", "identification", "campaign", "systems"}
         left_out = {*CHOSEN, "title", "sources", "uncertainty", *tried_on}
         values = self.study.model_dump(exclude=left_out)
+        if self.study.estimator.kind != "filters":  # which is no tuner's choice
+            values["estimator"] = {"kind": self.study.estimator.kind}
         unnamed = {"measured": {"__all__": {"name"}}}  # a file's content counts, not its name
         box = self.uncertainty.model_dump(exclude=unnamed)
         if self.uncertainty.explicit_delay == self.uncertainty.lumped_delay:

@@ -73,12 +73,16 @@ def sweep(
     by_path = {family.path: family for family in families}
     true, of_equations = by_path[model.judged_path], by_path[model.path_name]
     sampled = as_sampled(model, packed, omega)
-    noise, study_noise = noise_gain(packed, model.filters), model.study.study.controller
+    of_place = model.study.study.controller.position_noise
+    noises = {
+        "noise_gain": noise_gain(packed, model.filters),
+        "noise_force": noise_force(packed, model.filters, of_place, force_noise(model.study)),
+    }
     proofs = certify(model, packed)
     premises = _premises(model, packed, of_equations, proofs)
     conditions = _conditions(model, omega, found, converged, premises, proofs)
     ahead = feedforward or model.study.study.feedforward
-    checks = check_requirements(model, conditions, true, sampled, noise, proofs)
+    checks = check_requirements(model, conditions, true, sampled, noises, proofs)
     return SweepResult(
         model=model,
         gains=gains,
@@ -87,10 +91,7 @@ def sweep(
         position=conditions[1],
         families=families,
         sampled=sampled,
-        noise_gain=noise,
-        noise_force=noise_force(
-            packed, model.filters, study_noise.position_noise, force_noise(model.study)
-        ),
+        **noises,
         checks=checks + running_checks(model, packed, ahead, proofs),
         certificates=proofs,
     )

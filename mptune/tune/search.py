@@ -144,7 +144,8 @@ class GainSearch:
         for n, start in enumerate(starts):
             outcomes.append(self._from(start, blocked=n > 0 and not _any_feasible(outcomes)))
             progress("tune", 0.7 * (n + 1) / (n + 2))
-            settled = _agree(outcomes) and not self._space.crowded
+            alone = not self._space.crowded
+            settled = _agree(outcomes) and (alone or self._model.estimated)
             if n + 1 >= _LEAST_STARTS and (settled or _agree_on_none(outcomes)):
                 break
         best = min(outcomes, key=_rank)
@@ -157,7 +158,8 @@ class GainSearch:
         for n in range(_ROUNDS):
             best = self._again(best) if n > 0 else best
             choice = self._space.choice(best.point)
-            worst, more = self._required.grow(choice.gains)
+            by = choice.put_over(self._model).filters
+            worst, more = self._required.grow(choice.gains, by)
             asked, slower = self._judge.grow(choice, self._worth.kinds)
             worst += self._worth.bounded(asked)
             largest = max(one.excess for one in worst)
@@ -171,7 +173,8 @@ class GainSearch:
             best = self._nearest(best.point)
             choice = self._space.choice(best.point)
             asked = self._judge.grow(choice, self._worth.kinds)[0]
-            worst = (*self._required.worst(choice.gains), *self._worth.bounded(asked))
+            by = choice.put_over(self._model).filters
+            worst = (*self._required.worst(choice.gains, by), *self._worth.bounded(asked))
             feasible = max(one.excess for one in worst) <= _MET
         progress("tune", 1.0)
         return Searched(
