@@ -47,7 +47,7 @@ class Gate(Router):
         """Return what answers a request: the application, or a refusal."""
         if not self.admits(request.headers):
             return self._refusal.find_handler(request)
-        wanted = self._icon if request.path == "/favicon.ico" else self._application
+        wanted = self._icon if request.path.endswith("/favicon.ico") else self._application
         return wanted.find_handler(request)
 
 
@@ -64,7 +64,7 @@ class Refusal(RequestHandler):
 
 
 class NoIcon(RequestHandler):
-    """The answer to browsers that ask for an icon at the root."""
+    """The answer to browsers that ask for an icon."""
 
     def get(self) -> None:
         """Answer that there is none."""

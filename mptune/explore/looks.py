@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bokeh.models import CrosshairTool, HoverTool, Span
+from bokeh.models import CrosshairTool, HoverTool, Legend, Span
 from bokeh.plotting import figure
 
 if TYPE_CHECKING:
@@ -65,7 +65,21 @@ def new_plot(title: str, x: str, y: str, **kwargs: Any) -> figure:
     plot.toolbar.autohide = True
     plot.min_border_right = 12
     plot.title.text_font_size = "13px"
+    plot.add_layout(Legend(orientation="horizontal", location="left"), "below")
     return plot
+
+
+def decades(plot: figure) -> None:
+    """Let a logarithmic y axis say a few values in each decade."""
+    plot.yaxis.ticker = [m * 10.0**n for n in range(-4, 5) for m in (1, 2, 5)]
+
+
+def show_kept(plot: figure, *, shown: bool) -> None:
+    """Let the legend name the setting kept as A where there is one."""
+    for legend in plot.legend:
+        for item in legend.items:
+            if item.label.value == "A":
+                item.visible = shown
 
 
 def hover(plot: figure, renderers: Iterable[Any], tips: list[tuple[str, str]]) -> None:
@@ -112,8 +126,9 @@ def dress(plot: figure, palette: Palette) -> None:
         grid.grid_line_color = palette.grid
     for legend in plot.legend:
         legend.background_fill_color, legend.label_text_color = palette.ground, palette.ink
-        legend.background_fill_alpha, legend.border_line_color = 0.75, None
-        legend.label_text_font_size, legend.padding, legend.spacing = "11px", 3, 0
+        legend.border_line_color, legend.label_text_font_size = None, "11px"
+        legend.padding, legend.spacing, legend.margin = 0, 14, 0
+        legend.glyph_width, legend.label_standoff = 26, 4
         legend.click_policy = "hide"
     for drawn in plot.renderers:
         for role in getattr(drawn, "tags", ()):

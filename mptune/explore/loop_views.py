@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.explore.looking import CHOSEN, NOMINAL
-from mptune.explore.looks import HEIGHT, hover, line, link, new_plot
+from mptune.explore.looks import HEIGHT, decades, hover, line, link, new_plot, show_kept
 from mptune.explore.views import CurveSet, source
 
 if TYPE_CHECKING:
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from mptune.explore.picture import Picture
 
 _FREQUENCY = "Frequency [rad/s]"
-_PEAKS = (1.2, 1.5, 2.0, 3.0)  # circles of |S|
+_PEAKS = (1.3, 2.0, 4.0)  # circles of |S|
 _FLOOR = 1e-2
 
 
@@ -40,6 +40,8 @@ class LoopsView:
             "Nyquist", "Re L [–]", "Im L [–]", height=HEIGHT + 60, match_aspect=True,
             x_range=(-3.2, 1.2), y_range=(-2.4, 1.4),
         )  # fmt: skip
+        for plot in (self._size, self._rest):
+            decades(plot)
         tip = "ω [rad/s]"
         self._sets = [
             CurveSet(self._magnitude, "omega", "dB", tip),
@@ -65,7 +67,8 @@ class LoopsView:
             "y": [1 / peak for peak in _PEAKS],
             "words": [f"|S| = {peak:g}" for peak in _PEAKS],
         }
-        words = plot.text("x", "y", "words", source=top, text_font_size="10px", text_align="center")
+        words = plot.text("x", "y", "words", source=top, text_font_size="10px", text_align="center",
+                          y_offset=-2)  # fmt: skip
         words.tags = ["limit"]
         point = plot.scatter([-1], [0], marker="cross", size=12, line_width=2)
         point.tags = ["limit"]
@@ -104,6 +107,7 @@ class LoopsView:
         self._curves["chosen"].data = _curve(now, CHOSEN)
         has = kept is not None and kept.loops is not None
         empty = dict.fromkeys(("x", "y", "omega", "size", "plant"), [])
+        show_kept(self._nyquist, shown=has)
         self._curves["kept"].data = _curve(kept, CHOSEN) if kept is not None and has else empty
         gain = _gain(now)[2:, ::2]
         self._corners.data = {"xs": list(gain.real), "ys": list(gain.imag)}

@@ -61,7 +61,7 @@ class SimulatedMove:
         peak, last = (1e3 * float(one) for one in (np.abs(self.error).max(), self.error[-1]))
         loss = record.energies.loss / (1e3 * record.travel)
         return (
-            f"peak error {peak:.2f} mm, at the end {last:+.2f} mm, loss {loss:.1f} J/mm, "
+            f"peak error {peak:.2f} mm, at the end {last + 0.0:.2f} mm, loss {loss:.1f} J/mm, "
             f"{record.switches} switches, {self.case.status}"
         )
 

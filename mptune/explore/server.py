@@ -76,7 +76,7 @@ class PageServer:
         """
         for name in (signal.SIGINT, signal.SIGTERM):
             signal.signal(name, lambda *_: self._loop.add_callback_from_signal(self._loop.stop))
-        logging.getLogger("tornado.access").setLevel(logging.ERROR)
+        logging.getLogger("tornado.access").setLevel(logging.WARNING)
         self._server.start()
         if self._grace is not None:
             PeriodicCallback(self._look, _GLANCE).start()

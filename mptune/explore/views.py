@@ -8,7 +8,7 @@ import numpy as np
 from bokeh.models import ColumnDataSource
 
 from mptune.explore.looking import CHOSEN, NOMINAL
-from mptune.explore.looks import band, hover, line, link, new_plot
+from mptune.explore.looks import band, decades, hover, line, link, new_plot, show_kept
 from mptune.robust.place import plant_point
 from mptune.robust.tables import EQUATIONS
 
@@ -47,6 +47,7 @@ class SidesView:
             plot = new_plot(
                 EQUATIONS[name], _FREQUENCY, "Magnitude [–]", x_axis_type="log", y_axis_type="log"
             )
+            decades(plot)
             data = source("omega", "low", "left", "right", "ratio", "plant")
             kept, worst = source("omega", "left", "right"), source("omega", "left", "ratio")
             band(plot, data, "omega", "low", "left", "family's error |Δ|")
@@ -85,6 +86,7 @@ class SidesView:
                 "ratio": [ratio],
             }
             self._kept[loop].data = _sides_of(kept, loop)
+            show_kept(plot, shown=kept is not None)
             equation = EQUATIONS[("velocity", "position")[loop]]
             plot.title.text = (
                 f"{equation}: worst ratio {ratio:.4f} at {at.frequency_rad_s:.1f} rad/s (grid)"
@@ -149,6 +151,7 @@ class CurveSet:
     def keep(self, x: FloatArray | None, values: FloatArray | None) -> None:
         """Show the chosen plant of the setting kept as A, or nothing."""
         empty = x is None or values is None
+        show_kept(self.plot, shown=not empty)
         self.kept.data = {self._x: [], "chosen": []} if empty else _chosen(self._x, x, values)
 
 
