@@ -17,9 +17,7 @@ def explore(
     ] = True,
     end_with_last_tab: Annotated[
         float | None,
-        typer.Option(
-            metavar="SECONDS", min=0, help="End this long after the last tab has closed."
-        ),
+        typer.Option(metavar="SECONDS", min=0, help="End this long after the last tab has closed."),
     ] = None,
     override: SetOption = None,
     uncertainty: UncertaintyOption = "",

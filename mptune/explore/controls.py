@@ -11,12 +11,18 @@ from mptune.explore.knobs import GROUPS, Knob
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mptune.explore.setting import Setting, Value
+    from mptune.explore.setting import HandSetting, Value
     from mptune.params.study import ResolvedStudy
 
-Turned = Callable[[str, "Value", bool], None] if TYPE_CHECKING else Any
 _OPEN = {"Gains"}
 _FIELD = 92  # px
+_SLIDER = """
+.bk-slider-title { white-space: nowrap; overflow: hidden; text-overflow: ellipsis; }
+.noUi-target { background: var(--surface); border-color: var(--line); box-shadow: none; }
+.noUi-connect { background: var(--accent); }
+.noUi-handle { background: var(--ground); border: 2px solid var(--accent); box-shadow: none; }
+.noUi-handle:focus { outline: 3px solid var(--accent); outline-offset: 2px; }
+"""
 
 
 class KnobRow:
@@ -27,19 +33,19 @@ class KnobRow:
     knob
         What it turns.
     turned
-        Told of key, value in SI, and whether the hand has let go.
+        Told of key and value in SI.
     """
 
-    def __init__(self, knob: Knob, turned: Callable[[str, Value, bool], None]) -> None:
+    def __init__(self, knob: Knob, turned: Callable[[str, Value], None]) -> None:
         self._knob, self._turned = knob, turned
         self._quiet = False
         kind: Any = pn.widgets.RangeSlider if knob.is_range else pn.widgets.FloatSlider
         unit = "" if knob.unit == "–" else f" [{knob.unit}]"
         self.slider = kind(
-            name=f"{knob.symbol} {knob.meaning}{unit}",
+            name=f"{knob.symbol}{unit} {knob.meaning}",
             value=(0.0, 1.0) if knob.is_range else 0.0,
             start=0.0, end=1.0, show_value=False, sizing_mode="stretch_width", margin=(2, 8, 0, 8),
-            css_classes=["knob"],
+            stylesheets=[_SLIDER],
         )  # fmt: skip
         count = 2 if knob.is_range else 1
         self.fields = [
@@ -47,14 +53,14 @@ class KnobRow:
             for _ in range(count)
         ]
         self.slider.param.watch(self._slid, "value")
-        self.slider.param.watch(self._released, "value_throttled")
         for field in self.fields:
             field.param.watch(self._typed, "value")
-        self.row = pn.Row(
-            self.slider, *self.fields, sizing_mode="stretch_width", css_classes=["knob-row"]
-        )
+        self.row: Any = pn.Row(self.slider, *self.fields, sizing_mode="stretch_width")
+        if knob.is_range:
+            fields = pn.Row(*self.fields, margin=(0, 4))
+            self.row = pn.Column(self.slider, fields, sizing_mode="stretch_width")
 
-    def place(self, setting: Setting, study: ResolvedStudy) -> None:
+    def place(self, setting: HandSetting, study: ResolvedStudy) -> None:
         """Let slider and fields stand where a setting has them; nobody is told."""
         low, high, step = self._knob.ends(study)
         value = setting.value(self._knob, study)
@@ -73,22 +79,36 @@ class KnobRow:
             self._quiet = False
 
     def _slid(self, _: Any) -> None:
-        self._tell(self.slider.value, at_rest=False)
-
-    def _released(self, _: Any) -> None:
-        self._tell(self.slider.value, at_rest=True)
+        if self._quiet:
+            return
+        self._quiet = True
+        try:
+            for field, one in zip(self.fields, _pair(self.slider.value), strict=True):
+                field.value = float(f"{one:.9g}")
+        finally:
+            self._quiet = False
+        self._tell(_pair(self.slider.value))
 
     def _typed(self, _: Any) -> None:
-        values = [field.value for field in self.fields]
-        if None not in values:
-            self._tell(tuple(values) if self._knob.is_range else values[0], at_rest=True)
-
-    def _tell(self, value: Any, *, at_rest: bool) -> None:
-        if self._quiet or value is None:
+        """Let the slider follow what is typed, its ends giving way."""
+        typed = [field.value for field in self.fields]
+        values = tuple(float(one) for one in typed if one is not None)
+        if self._quiet or len(values) < len(typed) or list(values) != sorted(values):
             return
-        scaled = [float(f"{one * self._knob.scale:.12g}") for one in _pair(value)]
+        self._quiet = True
+        try:
+            self.slider.param.update(
+                start=min(self.slider.start, *values), end=max(self.slider.end, *values),
+                value=values if self._knob.is_range else values[0],
+            )  # fmt: skip
+        finally:
+            self._quiet = False
+        self._tell(values)
+
+    def _tell(self, values: tuple[float, ...]) -> None:
+        scaled = [float(f"{one * self._knob.scale:.12g}") for one in values]
         found: Value = (scaled[0], scaled[1]) if self._knob.is_range else scaled[0]
-        self._turned(self._knob.key, found, at_rest)
+        self._turned(self._knob.key, found)
 
 
 def _pair(value: Any) -> tuple[float, ...]:
@@ -98,10 +118,8 @@ def _pair(value: Any) -> tuple[float, ...]:
 class Controls:
     """Every knob, in groups that open and close."""
 
-    def __init__(self, turned: Callable[[str, Value, bool], None]) -> None:
-        self.rows = {
-            knob.key: KnobRow(knob, turned) for group in GROUPS.values() for knob in group
-        }
+    def __init__(self, turned: Callable[[str, Value], None]) -> None:
+        self.rows = {knob.key: KnobRow(knob, turned) for group in GROUPS.values() for knob in group}
         self.groups = {
             name: pn.Card(
                 *(self.rows[knob.key].row for knob in group),
@@ -114,7 +132,7 @@ class Controls:
             for name, group in GROUPS.items()
         }
 
-    def place(self, setting: Setting, study: ResolvedStudy) -> None:
+    def place(self, setting: HandSetting, study: ResolvedStudy) -> None:
         """Let every knob stand where a setting has it."""
         for row in self.rows.values():
             row.place(setting, study)

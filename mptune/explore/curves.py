@@ -71,7 +71,7 @@ def loop_view(gains: LoopGains, looked: Looked, loop: str) -> LoopView:
     return LoopView(omega, loop_curves(LOOPS.index(loop), omega, loops))
 
 
-class Response(NamedTuple):
+class TimeResponse(NamedTuple):
     """A response in time of the plants that are looked at."""
 
     time: FloatArray  # (T,) s
@@ -89,9 +89,9 @@ class StepView:
         beside one the steps are those without path.
     """
 
-    velocity: Response
-    position: Response
-    load: Response
+    velocity: TimeResponse
+    position: TimeResponse
+    load: TimeResponse
     along: bool
 
 
@@ -105,7 +105,8 @@ def step_view(gains: LoopGains, looked: Looked) -> StepView:
     times = [np.linspace(0, min(end, farthest(loops)), _INSTANTS) for end in ends]
     steps = (velocity_step, position_step, load_step)
     found = [
-        Response(time, drawable(step(loops, time)))
+        TimeResponse(time, drawable(step(loops, time)))
         for step, time in zip(steps, times, strict=True)
     ]
-    return StepView(*found, along=path != NO_PATH)
+    velocity, position, load = found
+    return StepView(velocity, position, load, along=path != NO_PATH)

@@ -79,7 +79,11 @@ class GuardedHeaders(OutputTransform):
     """Headers with which the browser itself keeps the page from reaching anything else."""
 
     def transform_first_chunk(
-        self, status_code: int, headers: HTTPHeaders, chunk: bytes, finishing: bool  # noqa: FBT001 - tornado's
+        self,
+        status_code: int,
+        headers: HTTPHeaders,
+        chunk: bytes,
+        finishing: bool,  # noqa: FBT001 - tornado's
     ) -> tuple[int, HTTPHeaders, bytes]:
         """Add the headers."""
         del finishing

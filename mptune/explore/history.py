@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from mptune.explore.setting import Setting
+    from mptune.explore.setting import HandSetting
 
 _DEEPEST = 200  # settings that can be undone
 
@@ -25,12 +25,12 @@ class History:
         The setting kept as A, beside which the present one is B; None where none is kept.
     """
 
-    now: Setting
-    past: tuple[Setting, ...] = ()
-    future: tuple[Setting, ...] = ()
-    kept: Setting | None = None
+    now: HandSetting
+    past: tuple[HandSetting, ...] = ()
+    future: tuple[HandSetting, ...] = ()
+    kept: HandSetting | None = None
 
-    def to(self, setting: Setting) -> History:
+    def to(self, setting: HandSetting) -> History:
         """Return the history after a change; what had been undone is forgotten."""
         if setting == self.now:
             return self

@@ -9,7 +9,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
@@ -19,7 +18,6 @@ from mptune.params.gains import write_gains
 from mptune.params.load import load_study
 from mptune.robust.chain import Link, chain
 from mptune.robust.headline import Judgement, judge
-from mptune.robust.result import Check, SweepResult
 from mptune.robust.sweep import sweep
 from mptune.sim.sampled import linear_moves
 from mptune.tune.tuner import tune
@@ -28,7 +26,10 @@ from mptune.verify.gain_limit import machine_reserve
 from mptune.verify.verify import verify
 
 if TYPE_CHECKING:
+    from pathlib import Path
+
     from mptune.progress import Progress
+    from mptune.robust.result import Check, SweepResult
 
 
 @dataclass(frozen=True)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 from mptune.errors import Fault, InputError
@@ -12,7 +11,9 @@ from mptune.explore.jobs import Ask
 from mptune.params.load import load_study
 
 if TYPE_CHECKING:
-    from mptune.explore.setting import Setting
+    from pathlib import Path
+
+    from mptune.explore.setting import HandSetting
     from mptune.params.study import ResolvedStudy
 
 _MOST = 30  # studies that are offered
@@ -89,7 +90,7 @@ class Library:
         """Return the names of a study's uncertainty sets, the default's empty one first."""
         return ["", *sorted(self.load(name, "").study.uncertainty.sets)]
 
-    def ask(self, setting: Setting) -> Ask:
+    def ask(self, setting: HandSetting) -> Ask:
         """Return what slow work asks of a setting."""
         study = self.load(setting.study, setting.uncertainty)
         own = self.overrides if self.is_named(setting.study) else ()

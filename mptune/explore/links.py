@@ -1,4 +1,4 @@
-"""The chain of gain factors on the corners of the box: an answer while the certified one is made."""
+"""The chain of gain factors on the corners of the box, until the certified one is made."""
 
 from __future__ import annotations
 

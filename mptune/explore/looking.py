@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -45,10 +45,14 @@ class Looked:
 def corner_model(model: LinearModel) -> LinearModel:
     """Return the model whose family is the corners of the box.
 
-    What is found on it is optimistic: worse plants may stand between them.
+    τ_A and τ_B stand at the same end, so that there are eight. What is found on it is optimistic:
+    worse plants may stand between them.
     """
     box = model.study.uncertainty.model_copy(update={"points": 2})
-    return type(model).of(model.study.model_copy(update={"uncertainty": box}))
+    whole = type(model).of(model.study.model_copy(update={"uncertainty": box}))
+    lumped = whole.lumped
+    alike = (lumped.tau_a == lumped.tau_a.min()) == (lumped.tau_b == lumped.tau_b.min())
+    return replace(whole, lumped=lumped.picked(alike), explicit=whole.explicit.picked(alike))
 
 
 def looked_at(sides: GridSides, plant: str, *, with_path: bool) -> Looked:

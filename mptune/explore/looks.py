@@ -4,7 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any, NamedTuple
 
-from bokeh.models import CrosshairTool, HoverTool, Legend, Span
+from bokeh.models import CrosshairTool, HoverTool
+from bokeh.models.annotations import Legend, Span
 from bokeh.plotting import figure
 
 if TYPE_CHECKING:
@@ -64,9 +65,22 @@ def new_plot(title: str, x: str, y: str, **kwargs: Any) -> figure:
     plot.toolbar.logo = None
     plot.toolbar.autohide = True
     plot.min_border_right = 12
-    plot.title.text_font_size = "13px"
+    heading: Any = plot.title
+    heading.text_font_size = "13px"
     plot.add_layout(Legend(orientation="horizontal", location="left"), "below")
     return plot
+
+
+def entitle(plot: figure, text: str) -> None:
+    """Give a plot another title."""
+    title: Any = plot.title
+    title.text = text
+
+
+def reach(plot: figure, low: float, high: float) -> None:
+    """Let a plot's y axis reach from one value to another."""
+    span: Any = plot.y_range
+    span.update(start=low, end=high)
 
 
 def decades(plot: figure) -> None:
@@ -77,7 +91,8 @@ def decades(plot: figure) -> None:
 def show_kept(plot: figure, *, shown: bool) -> None:
     """Let the legend name the setting kept as A where there is one."""
     for legend in plot.legend:
-        for item in legend.items:
+        items: list[Any] = legend.items
+        for item in items:
             if item.label.value == "A":
                 item.visible = shown
 
@@ -116,7 +131,8 @@ def dress(plot: figure, palette: Palette) -> None:
     """Give a plot the colours of a palette."""
     plot.background_fill_color = plot.border_fill_color = palette.ground
     plot.outline_line_color = palette.grid
-    plot.title.text_color = palette.ink
+    title: Any = plot.title
+    title.text_color = palette.ink
     for axis in plot.axis:
         axis.axis_label_text_color = axis.major_label_text_color = palette.quiet
         axis.axis_label_text_font_style = "normal"
@@ -124,7 +140,8 @@ def dress(plot: figure, palette: Palette) -> None:
         axis.minor_tick_line_color = palette.grid
     for grid in plot.grid:
         grid.grid_line_color = palette.grid
-    for legend in plot.legend:
+    legends: list[Any] = list(plot.legend)
+    for legend in legends:
         legend.background_fill_color, legend.label_text_color = palette.ground, palette.ink
         legend.border_line_color, legend.label_text_font_size = None, "11px"
         legend.padding, legend.spacing, legend.margin = 0, 14, 0

@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.explore.looking import CHOSEN, NOMINAL
-from mptune.explore.looks import HEIGHT, decades, hover, line, link, new_plot, show_kept
-from mptune.explore.views import CurveSet, source
+from mptune.explore.looks import HEIGHT, decades, entitle, hover, line, link, new_plot, show_kept
+from mptune.explore.plotted import CurveSet, source
 
 if TYPE_CHECKING:
     from bokeh.plotting import figure
@@ -97,16 +97,16 @@ class LoopsView:
             omega = kept.loops.omega if kept is not None and kept.loops is not None else None
             one.keep(omega, others[number][0] if others else None)
         peak = float(now.loops.sensitivity[CHOSEN].max())
-        self._size.title.text = f"Sensitivity: up to {peak:.3g} with the chosen plant"
+        entitle(self._size, f"Sensitivity: up to {peak:.3g} with the chosen plant")
         far = float(now.loops.complementary[CHOSEN].max())
-        self._rest.title.text = f"Complementary sensitivity: up to {far:.3g}"
+        entitle(self._rest, f"Complementary sensitivity: up to {far:.3g}")
         self._show_nyquist(now, kept)
 
     def _show_nyquist(self, now: Picture, kept: Picture | None) -> None:
         self._curves["nominal"].data = _curve(now, NOMINAL)
         self._curves["chosen"].data = _curve(now, CHOSEN)
         has = kept is not None and kept.loops is not None
-        empty = dict.fromkeys(("x", "y", "omega", "size", "plant"), [])
+        empty: dict[str, object] = {name: [] for name in ("x", "y", "omega", "size", "plant")}
         show_kept(self._nyquist, shown=has)
         self._curves["kept"].data = _curve(kept, CHOSEN) if kept is not None and has else empty
         gain = _gain(now)[2:, ::2]

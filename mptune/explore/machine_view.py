@@ -5,10 +5,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 import numpy as np
-from bokeh.models import FactorRange, Span
+from bokeh.models import FactorRange
+from bokeh.models.annotations import Span
 
-from mptune.explore.looks import hover, line, link, new_plot
-from mptune.explore.views import source
+from mptune.explore.looks import entitle, hover, line, link, new_plot
+from mptune.explore.plotted import source
 from mptune.robust.chain import factor_text
 
 if TYPE_CHECKING:
@@ -34,13 +35,17 @@ class MoveView:
         self._now = source("time", "error", "force", "reference", "a", "b")
         self._published = source("time", "error", "force")
         drawn = [
-            line(self._error, self._published, "time", "error", "nominal", legend_label="published"),
+            line(
+                self._error, self._published, "time", "error", "nominal", legend_label="published"
+            ),
             line(self._error, self._now, "time", "error", "chosen", legend_label="these gains"),
         ]
         hover(self._error, drawn, [("t", "@time{0.000} s"), ("error", "@error{0.000} mm")])
         force = [
             line(self._force, self._now, "time", "reference", "limit", legend_label="F_ref"),
-            line(self._force, self._published, "time", "force", "nominal", legend_label="published"),
+            line(
+                self._force, self._published, "time", "force", "nominal", legend_label="published"
+            ),
             line(self._force, self._now, "time", "force", "chosen", legend_label="these gains"),
         ]
         hover(self._force, force, [("t", "@time{0.000} s"), ("F", "@force{0.00} kN")])
@@ -69,7 +74,7 @@ class MoveView:
             "force": 1e-3 * published.force,
         }
         mass = now.case.mass_kg / 1e3
-        self._error.title.text = f"Position error, {mass:g} t, seed {now.case.seed}"
+        entitle(self._error, f"Position error, {mass:g} t, seed {now.case.seed}")
 
 
 def _drawn(values: FloatArray) -> FloatArray:
@@ -119,4 +124,4 @@ class ChainView:
             "words": words,
             "note": [link.note for link in links],
         }
-        self._plot.title.text = f"Chain of gain factors ({grounds})"
+        entitle(self._plot, f"Chain of gain factors ({grounds})")

@@ -6,14 +6,16 @@ from importlib import resources
 from typing import TYPE_CHECKING, Any
 
 import panel as pn
-from bokeh.models import CustomJS, Toggle
+from bokeh.models import CustomJS
+from bokeh.models.widgets import Toggle
 
 from mptune.explore.controls import Controls
-from mptune.explore.loop_views import LoopsView
 from mptune.explore.looks import DARK, LIGHT, dress
+from mptune.explore.loop_views import LoopsView
 from mptune.explore.machine_view import ChainView, MoveView
 from mptune.explore.setting import LOOPS, PLANTS
-from mptune.explore.views import SidesView, StepsView
+from mptune.explore.sides_view import SidesView
+from mptune.explore.steps_view import StepsView
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -70,7 +72,7 @@ class Page:
         self,
         studies: list[str],
         sets: list[str],
-        turned: Callable[[str, Value, bool], None],
+        turned: Callable[[str, Value], None],
         gains_path: str,
     ) -> None:
         self.controls = Controls(turned)
@@ -132,9 +134,7 @@ class Page:
 
     def _copies(self) -> None:
         """Let two buttons copy: the gains as TOML, the address with the state in it."""
-        self.buttons["Copy TOML"].js_on_click(
-            args={"area": self.toml}, code=_COPY % "area.value"
-        )
+        self.buttons["Copy TOML"].js_on_click(args={"area": self.toml}, code=_COPY % "area.value")
         self.buttons["Copy address"].js_on_click(code=_COPY % "window.location.href")
 
     def _laid_out(self) -> pn.Column:

@@ -15,7 +15,7 @@ from mptune.explore.sides import GridSides, grid_sides
 from mptune.robust.model import LinearModel
 
 if TYPE_CHECKING:
-    from mptune.explore.setting import Setting
+    from mptune.explore.setting import HandSetting
     from mptune.params.study import ResolvedStudy
     from mptune.robust.chain import Link
     from mptune.robust.result import Check
@@ -57,7 +57,7 @@ class Picture:
 
 
 def picture(
-    study: ResolvedStudy, setting: Setting, *, loops: bool = True, steps: bool = True
+    study: ResolvedStudy, setting: HandSetting, *, loops: bool = True, steps: bool = True
 ) -> Picture:
     """Return what is drawn of a setting.
 

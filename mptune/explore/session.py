@@ -7,9 +7,8 @@ corners, one move on the machine (in a thread), and the certified verdict (in a 
 
 from __future__ import annotations
 
-from concurrent.futures import Future, ThreadPoolExecutor
 from dataclasses import replace
-from pathlib import Path
+from functools import partial
 from typing import TYPE_CHECKING, Any
 
 import panel as pn
@@ -17,24 +16,23 @@ import panel as pn
 from mptune.errors import MptuneError
 from mptune.explore import words
 from mptune.explore.history import History
-from mptune.explore.jobs import CertifiedFigures, TunedSetting
-from mptune.explore.move import SimulatedMove, simulated_move
 from mptune.explore.page import VIEWS, Page
 from mptune.explore.picture import Picture, picture
-from mptune.explore.setting import KIND, Setting
-from mptune.explore.worker import Heard, Worker
+from mptune.explore.setting import KIND, HandSetting
+from mptune.explore.slow_work import SlowWork
+from mptune.explore.study_text import as_toml
 
 if TYPE_CHECKING:
     from collections.abc import Callable
+    from pathlib import Path
 
+    from mptune.explore.jobs import CertifiedFigures, TunedSetting
     from mptune.explore.library import Library
     from mptune.explore.setting import Value
 
 _REST = 300  # ms without an event, after which a slider rests
 _WAITING = "grid figures; the certified verdict follows when the sliders rest"
 _PREPARING = "preparing; on first use kernels are compiled, which takes a minute"
-_STAGES = {"certify": "Certifying over the whole box", "tune": "Tuning",
-           "verify": "Running the nonlinear machine", "chain": "Gain factors"}  # fmt: skip
 
 
 class Session:
@@ -55,19 +53,18 @@ class Session:
         setting, wrong = self._first(query)
         self._history, self._shown = History(setting), setting
         self._study = library.load(setting.study, setting.uncertainty)
-        self._worker = Worker(self._later)
-        self._threads = ThreadPoolExecutor(max_workers=1)
-        self._moving: Future[Any] | None = None
-        self._published: dict[tuple[str, str, float], SimulatedMove] = {}
         self._now: Picture | None = None
         self._kept: Picture | None = None
         self._proved: CertifiedFigures | None = None
         self._drawing = False  # a drawing is on its way
+        self._broken = False  # what the knobs say is no study
         self._resting: Any = None  # what waits for rest
+        self._say_next = ""  # beside the next picture
         self._quiet = False  # widgets are being placed, nobody turned them
         name = setting.study or library.names[0]
         gains = out / name / "gains.toml"
         self.page = Page(library.names, library.sets(setting.study), self._turned, str(gains))
+        self._slow = SlowWork(self.page, self._later)
         self._wire()
         self._place()
         self.page.verdict.object = words.verdict(None, _PREPARING)
@@ -77,11 +74,11 @@ class Session:
             self._document.js_on_event("document_ready", self.page.at_first())
         self._rest_soon()
 
-    def _first(self, query: str) -> tuple[Setting, str]:
+    def _first(self, query: str) -> tuple[HandSetting, str]:
         """Return the setting that an address says, or none and what is wrong with it."""
-        default = Setting(uncertainty=self._library.uncertainty)
+        default = HandSetting(uncertainty=self._library.uncertainty)
         try:
-            setting = Setting.from_query(query) if query else default
+            setting = HandSetting.from_query(query) if query else default
             study = self._library.load(setting.study, setting.uncertainty)
             setting.put_over(study)
         except MptuneError as error:
@@ -90,37 +87,39 @@ class Session:
 
     def _wire(self) -> None:
         page, buttons = self.page, self.page.buttons
-        for widget, name in ((page.plant, "plant"), (page.loop, "loop"), (page.path, "path")):
-            widget.param.watch(lambda event, name=name: self._look(name, event.new), "value")
-        page.kind.param.watch(lambda event: self._turned(KIND, event.new, True), "value")
+        views = ((page.plant, "plant"), (page.loop, "loop"), (page.path, "path"))
+        for widget, name in views:
+            widget.param.watch(partial(self._look, name), "value")
+        page.kind.param.watch(lambda event: self._turned(KIND, event.new), "value")
         page.study.param.watch(lambda event: self._choose(event.new, ""), "value")
         page.set.param.watch(lambda event: self._choose(self._shown.study, event.new), "value")
         page.view.param.watch(lambda _: self._draw_soon(), "value")
         actions: dict[str, Callable[[], None]] = {
-            "Undo": lambda: self._go(self._history.undone()),
-            "Redo": lambda: self._go(self._history.redone()),
+            "Undo": lambda: self._go(self._settled().undone()),
+            "Redo": lambda: self._go(self._settled().redone()),
             "Keep as A": self._keep,
-            "Swap A and B": lambda: self._go(self._history.swapped()),
-            "Reset": lambda: self._go(self._history.to(self._shown.published())),
+            "Swap A and B": lambda: self._go(self._settled().swapped()),
+            "Reset": lambda: self._go(self._settled().to(self._shown.published())),
             "Tune from here": self._tune,
-            "Stop": self._stop,
+            "Stop": self._slow.stop,
             "Save": self._save,
         }
         for name, action in actions.items():
-            buttons[name].on_click(lambda _, action=action: action())
+            buttons[name].on_click(partial(_act, action))
 
     # Turning.
 
-    def _turned(self, key: str, value: Value, at_rest: bool) -> None:  # noqa: FBT001 - an event's
+    def _turned(self, key: str, value: Value) -> None:
         if self._quiet:
             return
         self._shown = self._shown.turn(key, value, self._study)
         self._draw_soon()
-        self._rest_soon(1 if at_rest else _REST)
+        self._rest_soon()
 
-    def _look(self, name: str, value: str) -> None:
+    def _look(self, name: str, event: Any) -> None:
         if not self._quiet:
-            self._shown = replace(self._shown, **{name: value})  # type: ignore[arg-type]
+            self._shown = self._shown.looking(**{name: event.new})
+            self._keep_picture()
             self._draw_soon()
             self._rest_soon()
 
@@ -128,7 +127,7 @@ class Session:
         if self._quiet:
             return
         named = "" if self._library.is_named(study) else study
-        chosen = Setting(study=named, uncertainty=uncertainty, plant=self._shown.plant)
+        chosen = HandSetting(study=named, uncertainty=uncertainty, plant=self._shown.plant)
         self._go(self._history.to(chosen))
 
     def _go(self, history: History) -> None:
@@ -143,11 +142,10 @@ class Session:
         self._place()
         self._keep_picture()
         self._draw_soon()
-        self._rest_soon(1)
+        self._rest_soon()
 
     def _keep(self) -> None:
-        self._settle()
-        self._history = self._history.keeping()
+        self._history = self._settled().keeping()
         self._keep_picture()
         self._draw_soon()
 
@@ -156,8 +154,9 @@ class Session:
         self._kept = None
         if kept is not None:
             study = self._library.load(kept.study, kept.uncertainty)
-            looking = {name: getattr(self._shown, name) for name in ("plant", "loop", "path")}
-            self._kept = picture(study, replace(kept, **looking))
+            shown = self._shown
+            alike = kept.looking(plant=shown.plant, loop=shown.loop, path=shown.path)
+            self._kept = picture(study, alike)
 
     def _place(self) -> None:
         """Let every widget stand where the setting has it."""
@@ -190,21 +189,19 @@ class Session:
                 self._study, self._shown, loops=view == VIEWS[1], steps=view == VIEWS[0]
             )
         except MptuneError as error:
+            self._broken = True
             self.page.message.object = words.said(str(error), wrong=True)
             return
-        if self._now is None or found.study != self._now.study:
+        if self._broken or self._now is None or found.study != self._now.study:
             self._proved = None
-            self.page.message.object = ""
+            self.page.message.object, self._say_next = words.said(self._say_next), ""
             self.page.verdict.object = words.verdict(None, _WAITING)
-        self._now = found
+        self._now, self._broken = found, False
         with pn.io.hold():
             self._show(found, view)
 
     def _show(self, found: Picture, view: str) -> None:
         page, kept = self.page, self._kept
-        if kept is not None and ((kept.loops is None) != (found.loops is None)):
-            self._keep_picture()
-            kept = self._kept
         if view == VIEWS[0]:
             page.sides.show(found, kept)
             page.steps.show(found, kept)
@@ -221,128 +218,63 @@ class Session:
 
     # At rest.
 
-    def _rest_soon(self, delay: int = _REST) -> None:
+    def _rest_soon(self) -> None:
         if self._document is None:
             return
         if self._resting is not None:
             self._document.remove_timeout_callback(self._resting)
-        self._resting = self._document.add_timeout_callback(self._rest, delay)
+        self._resting = self._document.add_timeout_callback(self._rest, _REST)
 
-    def _settle(self) -> None:
-        """Enter what is shown into history and address."""
+    def _settled(self) -> History:
+        """Enter what is shown into history and address; return the history."""
         self._history = self._history.to(self._shown)
         if pn.state.location is not None:
             query = self._shown.query()
             pn.state.location.search = f"?{query}" if query else ""
+        return self._history
 
     def _rest(self) -> None:
         self._resting = None
         if self._drawing:
             self._draw()
-        if self._now is None:
+        if self._now is None or self._broken:
             return
-        self._settle()
+        self._settled()
         page, now = self.page, self._now
-        page.toml.value = words.as_toml(now.study, [key for key, _ in self._shown.turned])
+        page.toml.value = as_toml(now.study, [key for key, _ in self._shown.turned])
         if self._proved is None:
             page.chain.show(now.chain(), "corners; certified follows")
-            self._certify()
-        self._move(now)
+            self._slow.certify(
+                self._library.ask(self._shown), lambda found: self._certified(now, found)
+            )
+        self._slow.move(self._study, now, self._is_shown)
 
-    def _certify(self) -> None:
-        if self._worker.busy and self._job in {"tuned", "saved"}:
-            return  # it is asked for by hand: the verdict waits
-        self._start("certified", (self._library.ask(self._shown),), self._certified)
+    def _is_shown(self, found: Picture) -> bool:
+        return self._now is not None and found.study == self._now.study
 
-    def _certified(self, found: CertifiedFigures) -> None:
+    def _certified(self, of: Picture, found: CertifiedFigures) -> None:
+        if not self._is_shown(of):
+            return
         self._proved = found
         self.page.verdict.object = words.verdict(found.judgement, "")
         self.page.chain.show(found.links, "certified")
         self._show_lamps()
 
-    def _move(self, now: Picture) -> None:
-        """Simulate a move in a thread; the last one asked for is drawn."""
-        if self._moving is not None:
-            self._moving.cancel()
-        mass = float(now.looked.plants.mass[1])
-        published, key = self._study, (self._shown.study, self._shown.uncertainty, mass)
-        known = self._published.get(key)
-
-        def simulate() -> None:
-            before = known or simulated_move(published, mass)
-            after = simulated_move(now.study, mass)
-            self._later(lambda: self._moved(key, before, after, now))
-
-        self._moving = self._threads.submit(simulate)
-
-    def _moved(
-        self, key: tuple[str, str, float], before: SimulatedMove, after: SimulatedMove, of: Picture
-    ) -> None:
-        self._published[key] = before
-        if of is self._now or (self._now is not None and of.study == self._now.study):
-            self.page.move.show(after, before)
-            self.page.moved.object = (
-                f"<p><strong>Simulated move</strong>, these gains: {after.words}.<br>"
-                f"Published gains: {before.words}.</p>"
-            )
-
-    # Slow work.
-
-    _job = ""
-
-    def _start(self, kind: str, arguments: tuple[Any, ...], done: Callable[[Any], None]) -> None:
-        self._job = kind
-
-        def heard(message: Heard) -> None:
-            page = self.page
-            if message.what == "progress":
-                stage, share = message.content
-                text = _STAGES.get(stage, stage)
-                page.work.object = words.working(text, share or None)
-                return
-            page.work.object = ""
-            if message.what == "failed":
-                page.message.object = words.said(message.content, wrong=True)
-            else:
-                done(message.content)
-
-        self._worker.start(kind, arguments, heard)
-        self.page.work.object = words.working("Starting", None)
+    # By hand.
 
     def _tune(self) -> None:
-        self._settle()
-        self._start("tuned", (self._library.ask(self._shown),), self._tuned)
+        self._settled()
+        self._slow.tune(self._library.ask(self._shown), self._tuned)
 
     def _tuned(self, found: TunedSetting) -> None:
         values: dict[str, Value] = dict(found.values)
         tuned = self._shown.gains_from(values, self._study)
         self._go(self._history.to(tuned))
-        self.page.message.object = words.said(found.words)
-
-    def _stop(self) -> None:
-        self._worker.stop()
-        self.page.work.object = ""
-        self.page.message.object = words.said("Stopped.")
+        self._say_next = found.words
 
     def _save(self) -> None:
-        self._settle()
-        page = self.page
-        path = Path(page.gains_path.value)
-        over = page.over.visible and page.over.value
-        page.over.visible = path.exists()
-        if path.exists() and not over:
-            text = f"{path} exists: tick the box to write over it, or choose another name."
-            page.message.object = words.said(text, wrong=True)
-            return
-        page.over.value = False
-        arguments = (self._library.ask(self._shown), path.resolve(), over)
-        self._start("saved", arguments, lambda said: self._saved(path, said))
-
-    def _saved(self, path: Path, verdicts: str) -> None:
-        self.page.over.visible = True
-        self.page.message.object = words.said(f"{path} written: {verdicts}.")
-        if self._proved is None:
-            self._rest_soon(1)
+        self._settled()
+        self._slow.save(self._library.ask(self._shown), self._rest_soon)
 
     # The end.
 
@@ -355,6 +287,8 @@ class Session:
 
     def close(self) -> None:
         """End what runs for this tab."""
-        self._worker.end()
-        self._threads.shutdown(wait=False, cancel_futures=True)
+        self._slow.close()
 
+
+def _act(action: Callable[[], None], _click: Any) -> None:
+    action()

@@ -38,7 +38,7 @@ _VIEWS = {"plant": PLANTS, "loop": LOOPS, "path": ("without", "with")}
 
 
 @dataclass(frozen=True)
-class Setting:
+class HandSetting:
     """One state of the page.
 
     Attributes
@@ -64,7 +64,7 @@ class Setting:
         found: Any = dict(self.turned).get(knob.key)
         return knob.value_in(study) if found is None else found
 
-    def turn(self, key: str, value: Value, study: ResolvedStudy) -> Setting:
+    def turn(self, key: str, value: Value, study: ResolvedStudy) -> HandSetting:
         """Return the setting with one value changed; back at the study's own it is none."""
         turned = dict(self.turned)
         own: Value = study.study.estimator.kind if key == KIND else KNOBS[key].value_in(study)
@@ -74,11 +74,15 @@ class Setting:
             turned[key] = value
         return replace(self, turned=tuple(sorted(turned.items())))
 
-    def published(self) -> Setting:
+    def looking(self, **views: str) -> HandSetting:
+        """Return the setting with another plant, loop or path looked at."""
+        return replace(self, **views)  # type: ignore[arg-type]
+
+    def published(self) -> HandSetting:
         """Return the setting with everything turned back to what the study says."""
         return replace(self, turned=())
 
-    def gains_from(self, values: dict[str, Value], study: ResolvedStudy) -> Setting:
+    def gains_from(self, values: dict[str, Value], study: ResolvedStudy) -> HandSetting:
         """Return the setting with several values changed, by dotted key."""
         found = self
         for key, value in values.items():
@@ -98,9 +102,7 @@ class Setting:
         for key, value in self.turned:
             section, _, name = key.partition(".")
             sections.setdefault(section, {})[name] = value
-        changed = {
-            name: _validated(study, name, values) for name, values in sections.items()
-        }
+        changed = {name: _validated(study, name, values) for name, values in sections.items()}
         box = changed.pop("uncertainty", study.uncertainty)
         inner = study.study.model_copy(update=changed)
         return study.model_copy(update={"study": inner, "uncertainty": box})
@@ -116,12 +118,12 @@ class Setting:
     def query(self) -> str:
         """Return the setting as the part of an address behind its question mark."""
         pairs = [(name, getattr(self, name)) for name in ("study", "uncertainty", *_VIEWS)]
-        default = Setting()
+        default = HandSetting()
         pairs = [(name, value) for name, value in pairs if value != getattr(default, name)]
         return urlencode([*pairs, *((key, _text(value)) for key, value in self.turned)])
 
     @classmethod
-    def from_query(cls, query: str) -> Setting:
+    def from_query(cls, query: str) -> HandSetting:
         """Return what an address says; keys that nobody knows are passed over.
 
         Raises

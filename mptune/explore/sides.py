@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.robust.condition import Sides
 from mptune.robust.grid import frequency_range, refinement
-from mptune.robust.place import PlantPoint
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
+    from mptune.robust.condition import Sides
     from mptune.robust.model import LinearModel
+    from mptune.robust.place import PlantPoint
 
 _COARSE = 140  # frequencies
-_ROUNDS = 3
+_ROUNDS = 2
 _WITHIN = 0.02  # peaks lower than the highest by more than this share are left alone
 
 

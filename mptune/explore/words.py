@@ -6,15 +6,12 @@ from typing import TYPE_CHECKING
 
 from mptune.certify.result import Grounds
 from mptune.escaping import html_text
-from mptune.explore.knobs import KNOBS
-from mptune.params.section import Section
 from mptune.robust.result import Status
 from mptune.robust.tables import place_text
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
 
-    from mptune.params.study import ResolvedStudy
     from mptune.robust.headline import Judgement
     from mptune.robust.result import Check
 
@@ -22,9 +19,7 @@ _SIGNS = {Status.SATISFIED: "✓", Status.VIOLATED: "✗", Status.UNSTABLE: "✗
 _CLASSES = {Status.SATISFIED: "good", Status.VIOLATED: "bad", Status.UNSTABLE: "bad"}
 
 
-def lamps(
-    checks: Sequence[Check], proved: Sequence[Check] = (), kept: Sequence[Check] = ()
-) -> str:
+def lamps(checks: Sequence[Check], proved: Sequence[Check] = (), kept: Sequence[Check] = ()) -> str:
     """Return the requirements as a list of lamps.
 
     Parameters
@@ -77,30 +72,15 @@ def working(text: str, share: float | None) -> str:
     return f'<p class="working" role="status">{html_text(text)} {bar}</p>'
 
 
+def moves(now: str, published: str) -> str:
+    """Return how a simulated move went, with these gains and with the published ones."""
+    return (
+        f"<p><strong>Simulated move</strong>, these gains: {html_text(now)}.<br>"
+        f"Published gains: {html_text(published)}.</p>"
+    )
+
+
 def said(text: str, *, wrong: bool = False) -> str:
     """Return a message; nothing for an empty one."""
     look = "wrong" if wrong else "note"
     return f'<p class="{look}" role="alert">{html_text(text)}</p>' if text else ""
-
-
-def as_toml(study: ResolvedStudy, keys: Sequence[str]) -> str:
-    """Return the gains, and what else is turned, as a study file has them.
-
-    Of the uncertainty nothing: it belongs to the machine, not to the controller.
-    """
-    wanted = dict.fromkeys([*(key for key in KNOBS if key.startswith("gains.")), *keys])
-    lines: list[str] = []
-    for name in ("gains", "controller", "estimator", "feedforward"):
-        section: Section = getattr(study.study, name)
-        units = {key: unit for key, unit, _, _ in section.quantities()}
-        mine = [key.partition(".")[2] for key in wanted if key.startswith(f"{name}.")]
-        if mine:
-            lines += ["", f"[{name}]"]
-        lines += [f"{key} = {_toml(getattr(section, key), units.get(key))}" for key in mine]
-    return "\n".join(lines).strip() + "\n"
-
-
-def _toml(value: object, unit: str | None) -> str:
-    if unit is None:
-        return f'"{value}"'
-    return repr(value) if unit == "1" else f'"{value!r} {unit}"'

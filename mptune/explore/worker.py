@@ -22,7 +22,7 @@ _POLITE = 5  # added to the niceness: the page goes first
 _CONTEXT = multiprocessing.get_context("spawn")
 
 
-class Heard(NamedTuple):
+class WorkerMessage(NamedTuple):
     """A message of a job: ``"progress"`` with stage and share, ``"done"``, or ``"failed"``."""
 
     what: str
@@ -56,7 +56,7 @@ class Worker:
         return self._process.pid if self._process else None
 
     def start(
-        self, kind: str, arguments: tuple[Any, ...], heard: Callable[[Heard], None]
+        self, kind: str, arguments: tuple[Any, ...], heard: Callable[[WorkerMessage], None]
     ) -> None:
         """Start a job; one that is still running is ended.
 
@@ -104,18 +104,22 @@ class Worker:
             with suppress(OSError):
                 pipe.close()
 
-    def _listen(self, pipe: Connection, number: int, heard: Callable[[Heard], None]) -> None:
+    def _listen(
+        self, pipe: Connection, number: int, heard: Callable[[WorkerMessage], None]
+    ) -> None:
         """Pass on what a job says, until it is done or its process has ended."""
         while True:
             try:
-                message = Heard(*pipe.recv())
+                message = WorkerMessage(*pipe.recv())
             except (EOFError, OSError, TypeError):  # closed by us, or ended by somebody else
-                message = Heard("failed", "the computation was ended from outside")
+                message = WorkerMessage("failed", "the computation was ended from outside")
             self._tell(lambda message=message: self._pass(number, message, heard))  # type: ignore[misc]
             if message.what != "progress":
                 return
 
-    def _pass(self, number: int, message: Heard, heard: Callable[[Heard], None]) -> None:
+    def _pass(
+        self, number: int, message: WorkerMessage, heard: Callable[[WorkerMessage], None]
+    ) -> None:
         if number != self._number:
             return
         if message.what != "progress":
