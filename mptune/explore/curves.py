@@ -20,7 +20,7 @@ if TYPE_CHECKING:
     from mptune.explore.looking import Looked
     from mptune.params.packed import LoopGains
 
-_POINTS = 260
+_POINTS = 400
 _LOWEST, _HIGHEST = 0.3, 1000.0  # rad/s
 _INSTANTS = 161
 _LOAD_FADES = 8.0  # over the slowest rate of the position loop
