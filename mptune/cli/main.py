@@ -17,6 +17,7 @@ import typer
 
 from mptune.cli.campaign import campaign
 from mptune.cli.compare import compare
+from mptune.cli.explore import explore
 from mptune.cli.export import export
 from mptune.cli.identify import identify
 from mptune.cli.journey import Journey
@@ -145,6 +146,7 @@ app.command()(campaign)
 app.command()(export)
 app.command()(compare)
 app.command()(systems)
+app.command()(explore)
 
 
 @app.command()
