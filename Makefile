@@ -42,10 +42,10 @@ test-all: test
 bench: setup
 	$(BIN)/pytest -m bench -s -p no:randomly tests/bench
 
-# Bad input, extreme studies, full disks and spoilt bytes, by rule and at length: half an hour and
-# more. MINUTES=10 chooses how long bytes are spoilt at random.
+# Bad input, extreme studies, full disks, kills and spoilt bytes, by rule and at length: an hour and
+# more. MINUTES=10 chooses how long bytes are spoilt at random, KILLS=6 how often a command is killed.
 fuzz: setup
-	NUMBA_NUM_THREADS=1 $(BIN)/pytest -m fuzz -s -n 0 tests/faults
+	NUMBA_NUM_THREADS=1 $(BIN)/pytest -m fuzz -s -n 0 tests/faults tests/unit/campaign
 
 # Kernels count too: they run interpreted once, so that their lines are seen.
 coverage: setup

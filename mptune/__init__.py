@@ -124,6 +124,7 @@ if TYPE_CHECKING:
     from mptune.tune.velocity import VelocityGain
     from mptune.verify.before_after import Change, Mark
     from mptune.verify.before_after import changes as machine_changes
+    from mptune.verify.beside import PapersFrame
     from mptune.verify.checks import machine_checks
     from mptune.verify.result import CaseResult, CaseStatus, VerifyResult
     from mptune.verify.verify import verify as verify_gains
@@ -204,6 +205,7 @@ _MODULES = {
     "tune.velocity": "VelocityGain",
     "verify.before_after": "Change, Mark, changes as machine_changes",
     "verify.checks": "machine_checks",
+    "verify.beside": "PapersFrame",
     "verify.result": "CaseResult, CaseStatus, VerifyResult",
     "verify.verify": "verify as verify_gains",
     "weigh.procedure": "Stage",
@@ -229,8 +231,8 @@ __all__ = [
     "Gains", "GainsFile", "Grounds", "Guarantee", "Headline", "IdentifyResult", "InputError",
     "Interval", "Iterate", "JobResult", "Judgement", "Limits", "Linear", "LinearModel",
     "LinearMove", "Link", "LoopGains", "Margins", "Mark", "Measured", "MeasurementPath", "Members",
-    "MptuneError", "NominalPlant", "Norm", "Outcome", "OutputError", "Panel", "Peak", "PeakVerdict",
-    "Plan", "PlantBox", "PlantPoint", "Plants", "Point", "Progress", "RationalPlant",
+    "MptuneError", "NominalPlant", "Norm", "Outcome", "OutputError", "Panel", "PapersFrame", "Peak",
+    "PeakVerdict", "Plan", "PlantBox", "PlantPoint", "Plants", "Point", "Progress", "RationalPlant",
     "Recommendation", "Relief", "ResolvedStudy", "Result", "Round", "RunRecord", "SetFigures",
     "ShapeStatus", "Shaped", "Sides", "Stability", "Stage", "Status", "Structure", "Study",
     "SweepResult", "SystemRun", "SystemsResult", "Trial", "TuneResult", "TuneStatus", "Use",

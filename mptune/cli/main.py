@@ -9,6 +9,7 @@ Only typer is imported here, so that ``--help`` answers at once.
 from __future__ import annotations
 
 import errno
+import signal
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -185,6 +186,8 @@ def main() -> None:
         rule = f"standard output could not be written ({reason}); what was to be printed is lost"
         code = _say(f"{rule}; free some space or print elsewhere", UNFINISHED)
     sys.stderr.flush()
+    # What is done is done: Python, while it takes itself apart, would die of an interrupt.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.exit(code)
 
 

@@ -22,6 +22,7 @@ WARNING = (
     "WARNING: the margins of these gains are NOT satisfied. They were exported on insistence",
     "(--force). Do not run a machine with them before you know why.",
 )
+_TOLD = 20  # differences, of however many a gains file may name
 
 
 @dataclass(frozen=True)
@@ -123,7 +124,9 @@ class TargetController:
         lines += [f"closed loop on the nonlinear machine: {self.source.closed_loop}"]
         if self.differs:
             lines += ["", "That is the gains file's word, which was made for another model:"]
-            lines += [f"  {one.headline}" for one in self.differs]
+            lines += [f"  {one.headline}" for one in self.differs[:_TOLD]]
+            if len(self.differs) > _TOLD:
+                lines.append(f"  and {len(self.differs) - _TOLD} keys more")
         lines += ["", "gains, SI:"]
         for section in (self.gains, self.feedforward):
             for key, unit, symbol, _ in section.quantities():

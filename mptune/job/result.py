@@ -48,14 +48,14 @@ class JobResult(Summarised, Drawn):
     chain
         How far the gain at F_ref may rise with the tuned gains; the nonlinear machine's link comes
         last, where it was run.
-    papers_frame
-        What tuning in the paper's own frame alone comes to; None where not asked for or not run.
     compared
         P, PI and PID tuned alike; empty where not asked for.
     files
         What was written.
     left_out
         What stood in the folder for the report and could not be used, and why, in sentences.
+    papers_frame
+        What tuning in the paper's own frame alone comes to; None where not asked for or not run.
     """
 
     drawings: ClassVar[Mapping[str, str]] = {"gains": "mptune.figures.compare:compared_gains"}
@@ -70,10 +70,10 @@ class JobResult(Summarised, Drawn):
     chain: tuple[Link, ...]
     judgement: Judgement
     changes: tuple[Change, ...] = ()
-    papers_frame: PapersFrame | None = None
     compared: tuple[Baseline, ...] = ()
     files: tuple[Path, ...] = ()
     left_out: tuple[str, ...] = ()
+    papers_frame: PapersFrame | None = None
 
     @property
     def satisfied(self) -> bool:

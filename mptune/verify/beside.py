@@ -19,7 +19,7 @@ _FRAME = (
 )
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, repr=False)
 class PapersFrame(Summarised):
     """What tuning in the paper's own frame alone comes to, on paper and on the machine.
 

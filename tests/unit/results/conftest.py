@@ -48,6 +48,7 @@ from mptune.job.gains import gains_file
 from mptune.params.judged_on import Difference
 from mptune.robust.headline import judge
 from mptune.verify.before_after import changes
+from mptune.verify.beside import beside
 
 UNKNOWN = float("nan")
 NOTHING = Figures(UNKNOWN, 22.0, float("inf"), 16.0)  # of a loop that runs away
@@ -181,6 +182,7 @@ def results(fig_5, unstable, load_boom):
         "weights": weights_of(study),
         "judgement": judge(fig_5.checks, links),
         "change": changes(verified, verified)[0],
+        "papers frame": beside(verified, fig_5.gains, (0.014, UNKNOWN), verified),
         "difference": Difference("oil.bulk_modulus", "1.4e9", "—"),
         "job": JobResult(
             study,
