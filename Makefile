@@ -7,7 +7,7 @@ PIP := $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 STAMP := $(VENV)/.installed
 STUDY ?= studies/boom/study.toml
 
-.PHONY: run test test-all bench fuzz format setup coverage mutants lock dist docs
+.PHONY: run test test-all bench fuzz format setup coverage mutants lock lowest dist dist-check docs
 
 run: setup
 	$(BIN)/mptune run $(STUDY)
@@ -25,9 +25,9 @@ docs: setup
 	$(PIP) -c constraints.txt -e ".[docs]"
 	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
 
-# All that `test` runs and every example, under each of the interpreters that are there.
-# INTERPRETERS="python3.12" chooses; uv fetches them: uv python install 3.11 3.12 3.13 3.14
-INTERPRETERS ?= $(shell for one in 3.11 3.12 3.13 3.14; do command -v python$$one; done)
+# All that `test` runs and every example, under each of the interpreters that are there; uv fetches
+# more (uv python install 3.13), INTERPRETERS="python3.12" chooses.
+INTERPRETERS ?= python3.11 python3.12 python3.13 python3.14
 test-all: test
 	@for python in $(INTERPRETERS); do \
 		$$python -c "" 2>/dev/null || continue; \
@@ -38,6 +38,15 @@ test-all: test
 		NUMBA_NUM_THREADS=1 $$place/bin/python -m pytest -q -n 2 -m "not bench and not fuzz" \
 			|| exit 1; \
 	done
+
+# The lowest versions that pyproject.toml allows, with kernels of their own. Needs uv, as `lock`.
+lowest:
+	uv venv --quiet --clear --python 3.11 build/lowest
+	VIRTUAL_ENV=build/lowest uv pip install --quiet --only-binary :all: --resolution lowest-direct \
+		-r pyproject.toml "pytest>=8" "hypothesis>=6.100"
+	VIRTUAL_ENV=build/lowest uv pip install --quiet --no-deps -e .
+	build/lowest/bin/python -m pytest -q -o addopts= tests/unit/test_units.py tests/unit/cli/test_stages.py
+	NUMBA_CACHE_DIR=build/lowest/kernels build/lowest/bin/python -m mptune.cli warm -v
 
 bench: setup
 	$(BIN)/pytest -m bench -s -p no:randomly tests/bench
@@ -59,13 +68,19 @@ mutants: setup
 	$(BIN)/python tests/mutants/run.py $(MUTANTS)
 
 # A wheel and an sdist, checked, and the wheel used in an environment of its own.
-dist: setup
-	rm -rf build dist
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dist]"
-	$(BIN)/python -m build --outdir dist .
+dist: dist-check
+	$(PYTHON) tests/dist/use_wheel.py
+
+# The quick part of it: both are built and checked, and a command of the unpacked wheel writes a
+# study, which needs what the wheel must hold beside its modules.
+dist-check: setup
+	rm -rf dist build/lib build/bdist.* build/wheel
+	$(PIP) -c constraints.txt build check-wheel-contents twine
+	$(BIN)/python -m build --no-isolation --outdir dist .
 	$(BIN)/twine check --strict dist/*
 	$(BIN)/check-wheel-contents dist/*.whl
-	$(PYTHON) tests/dist/use_wheel.py
+	$(BIN)/python -m zipfile -e dist/*.whl build/wheel
+	cd build/wheel && $(CURDIR)/$(BIN)/python -m mptune.cli new crane
 
 format: setup
 	$(BIN)/ruff format .

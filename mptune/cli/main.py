@@ -168,6 +168,18 @@ def new(
 
 
 @app.command()
+def warm(quiet: QuietOption = False, _verbose: TimesOption = False) -> None:
+    """Compile all that a run needs, once, so that the first run is as fast as the next."""
+    from mptune.cli import show
+    from mptune.job.warm import warm as warm_kernels
+
+    with show.progress(quiet=quiet) as report:
+        folder = warm_kernels(report)
+    if not quiet:
+        show.say(f"kernels are kept in {folder}" if folder else "no folder for kernels: none kept")
+
+
+@app.command()
 def ledger() -> None:
     """Print where mptune differs from the paper, and why."""
     from mptune.cli import show

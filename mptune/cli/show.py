@@ -31,7 +31,8 @@ if TYPE_CHECKING:
     from mptune.verify.result import VerifyResult
 
 __all__ = [
-    "as_json", "bars", "elsewhere", "files", "headline", "ledger", "progress", "sweep", "verified",
+    "as_json", "bars", "elsewhere", "files", "headline", "ledger", "progress", "say", "sweep",
+    "verified",
 ]  # fmt: skip
 
 _ROOM_FOR_A_BAR = 80  # columns; on fewer the numbers beside it would be cut

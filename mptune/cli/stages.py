@@ -39,6 +39,8 @@ class Stages:
         self._begun = self._first = clock()
         self._stage, self._share = "", 0.0
         self._spent: dict[str, float] = {}
+        self._worked: dict[str, float] = {}
+        self._processor = time.process_time()
 
     def take(self, stage: str, share: float) -> None:
         """Take note of how far a stage is."""
@@ -56,16 +58,26 @@ class Stages:
         left = (now - self._begun) * (1 / self._share - 1)
         return f"{text}: {100 * self._share:.0f} % of it, about {left:.0f} s left of it"
 
-    def durations(self) -> dict[str, float]:
-        """Return how long each stage took [s], in the order in which they began."""
+    def durations(self) -> dict[str, tuple[float, float]]:
+        """Return how long each stage took, in the order in which they began.
+
+        Beside it the time that the processor's cores worked for it, added up [s]: other programs
+        prolong the former alone.
+        """
         self._close()
-        return dict(self._spent)
+        return {stage: (spent, self._worked[stage]) for stage, spent in self._spent.items()}
 
     def _close(self) -> None:
         if self._stage:
-            now = self._clock()
-            self._spent[self._stage] = self._spent.get(self._stage, 0.0) + now - self._begun
-            self._begun = now
+            now, worked = self._clock(), time.process_time()
+            for times, more in (
+                (self._spent, now - self._begun),
+                (self._worked, worked - self._processor),
+            ):
+                times[self._stage] = times.get(self._stage, 0.0) + more
+            self._begun, self._processor = now, worked
+        else:
+            self._processor = time.process_time()
 
 
 @contextmanager
@@ -96,8 +108,8 @@ def telling(*, quiet: bool, every: float = EVERY) -> Iterator[Stages]:
         if teller.is_alive():
             teller.join()
     if _verbose.get():
-        for stage, spent in stages.durations().items():
-            _say(f"{stage}: {spent:.1f} s")
+        for stage, (spent, worked) in stages.durations().items():
+            _say(f"{stage}: {spent:.1f} s, {worked:.1f} s of the processor")
 
 
 def _say(text: str) -> None:

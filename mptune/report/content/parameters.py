@@ -115,4 +115,4 @@ def ledger(_results: Results | None = None) -> Chapter:
     columns = [wide("Where", 2.2), wide("The paper reads", 3.2), wide("Used here", 4)]
     columns.append(wide("Why", 7.6))
     table = Tabular("Where mptune differs from the paper", columns, rows, keep=False)
-    return Chapter(table.title, [table], new_page=True)
+    return Chapter(table.title, [table])

@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 import pypdf
 import pytest
 
-from mptune.job.report import results_of
+from mptune.job.report import LinearPart, results_of
 from mptune.job.run import run
 from mptune.params.headline import Headline
 from mptune.params.pack import pack_gains
@@ -17,6 +17,7 @@ from mptune.report.document import write_report
 from mptune.robust.chain import factor_text
 from mptune.robust.encirclements import encirclements
 from mptune.robust.headline import Judgement
+from mptune.robust.one_at_a_time import one_at_a_time
 from mptune.robust.sweep import sweep
 from mptune.signals.tustin import discretise
 from mptune.units import shown
@@ -41,7 +42,9 @@ def text_of(path):
 
 def changed(job, tmp_path, **changes):
     """Return what the report of a job shows, with changes."""
-    return replace(results_of(tmp_path, job, encirclements(job.tuned.sweep)), **changes)
+    swept = job.tuned.sweep
+    linear = LinearPart(encirclements(swept), one_at_a_time(swept), {}, b"")
+    return replace(results_of(tmp_path, job, linear), **changes)
 
 
 def written(path, results):
