@@ -6,12 +6,14 @@ import pytest
 from mptune.params.packed import FeedforwardTuple
 from mptune.signals.adaptive_mass import (
     ACCELERATION_UNIT,
+    FIRST_COVARIANCE,
+    FORGETTING,
     VELOCITY_UNIT,
     fed_mass,
     learn_mass,
     start_learning,
 )
-from mptune.signals.states import FACTORS, LAST_VELOCITY_REFERENCE, MASS, OUTER_STATES
+from mptune.signals.states import COVARIANCE, FACTORS, LAST_VELOCITY_REFERENCE, MASS, OUTER_STATES
 from mptune.signals.trajectory import quintic, reference
 
 FAST = 5e-4
@@ -77,4 +79,5 @@ def test_steady_motion_without_acceleration_forgets_no_further_than_the_start():
         learn_mass(state, AHEAD, 10e3, 0.05)
         state[LAST_VELOCITY_REFERENCE] = 0.05
     assert np.isfinite(state).all()
+    assert state[COVARIANCE] <= FIRST_COVARIANCE[0] / FORGETTING
     assert state[FACTORS] / ACCELERATION_UNIT == pytest.approx(30e3, rel=0.05)
