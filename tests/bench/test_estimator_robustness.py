@@ -2,7 +2,7 @@
 
 Gains are those of ``studies/boom-estimator`` where the study stands, else an independent trial's,
 on the same machine, with the paper's decision. Seeds are none that a search has seen. What counts
-is the mean over oils and sets at each mass, as in the trial's table; the worst is printed beside it.
+is the mean over oils and sets at each mass, as in the trial's table; the worst is printed too.
 """
 
 import time
@@ -103,8 +103,8 @@ def test_it_holds_on_another_machine(name):
     largest = max(case.span("performance_index_ms")[1] for case in result.cases)
     noisiest = max(case.mean("force_error_integral_kn2s") for case in result.cases)
     print(
-        f"{name}: at 24.5, 36, 49 t index {index} ms (worst set {largest:.2f}), force error {force} "
-        f"kN² s (worst case {noisiest:.1f}), loss {loss} J/mm"
+        f"{name}: at 24.5, 36, 49 t index {index} ms (worst set {largest:.2f}), "
+        f"force error {force} kN² s (worst case {noisiest:.1f}), loss {loss} J/mm"
     )
     assert result.satisfied, [case.status for case in result.cases]
     assert index.max() <= LARGEST_INDEX
@@ -136,8 +136,10 @@ def test_sets_far_from_the_rest_are_those_whose_converters_stand_far_out(weight)
         print(f"common mode {weight}: {name}, median, 95 %, 99 %, worst of {len(sets)}: {shares}")
     together = np.corrcoef(force, far)[0, 1]
     lowest = low[np.argsort(index)[-3:]]
-    print(f"force error goes with the converters' excursion: {together:.2f}; least pressure of the "
-          f"three sets of largest index: {lowest.round(2)} MPa, median {np.median(low):.2f}")  # fmt: skip
+    print(
+        f"force error goes with the converters' excursion: {together:.2f}; least pressure of the "
+        f"three sets of largest index: {lowest.round(2)} MPa, median {np.median(low):.2f} MPa"
+    )
     assert together > 0.5
     assert result.satisfied
 
