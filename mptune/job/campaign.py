@@ -33,8 +33,9 @@ def planned(study: ResolvedStudy, gains: str | Path | None, *, force: bool = Fal
         If the file is not for this study, its margins are not satisfied and ``force`` is False, or
         the campaign cannot be run.
     """
-    file = accepted_gains(gains, study.hash(), force=force) if gains else None
-    return plan_campaign(study, file.gains if file else None, file.feedforward if file else None)
+    if gains:
+        study = accepted_gains(gains, study.hash(), force=force).put_over(study)
+    return plan_campaign(study)
 
 
 def campaign_study(

@@ -58,11 +58,12 @@ def systems_study(
 
     folder = make_folder(Path(out) / study.name)
     file = None if gains is None else read_gains(gains, study.hash())
-    result = (
-        compare_systems(study, progress=progress)
-        if file is None
-        else compare_systems(study, file.gains, file.feedforward, progress)
-    )
+    if file is None:
+        result = compare_systems(study, progress=progress)
+    else:
+        chosen = {"estimator": file.estimator or study.study.estimator}
+        around = study.model_copy(update={"study": study.study.model_copy(update=chosen)})
+        result = compare_systems(around, file.gains, file.feedforward, progress)
     files = (
         write_whole(folder / "systems.svg", to_svg(loss_over_index(result.rows()))),
         keep(folder, "systems", study, result.rows()),
@@ -96,7 +97,7 @@ def compare_systems(
 
     if gains is None:
         tuned = tune(study, progress)
-        gains, feedforward = tuned.gains, tuned.feedforward
+        study, gains, feedforward = tuned.sweep.study, tuned.gains, tuned.feedforward
     ahead = feedforward or study.study.feedforward
     return contest(
         study,

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mptune.params.controller import Feedforward
+from mptune.params.estimator import Estimator
 from mptune.report.blocks import Cell, verdict
 from mptune.report.content.closed_loop import machines
 from mptune.report.content.front import gains, requirements, tuning, warnings
@@ -108,8 +109,8 @@ def test_a_blocked_tuning_says_what_blocks_and_what_would_have_to_give(swept):
     )
     own = swept.gains
     tuned = TuneResult(
-        TuneStatus.INFEASIBLE, "eq22", own, Feedforward(), own, replace(figures, tracking=0.011),
-        figures, None, swept, blocking, (), (), 0,
+        TuneStatus.INFEASIBLE, "eq22", own, Feedforward(), Estimator(), own, Estimator(),
+        replace(figures, tracking=0.011), figures, None, swept, blocking, (), (), 0,
     )  # fmt: skip
     first, gained, blocked, relief = tuning(tuned)
     assert first == "Tuning: infeasible."
