@@ -94,6 +94,10 @@ def test_feedforward_is_left_out_where_it_is_off_on_both_sides(swept):
     off, on = Feedforward(), Feedforward(acceleration_mass="24 t")
     six = len(gains((swept.gains,), (swept.gains,)).rows)
     assert len(gains((swept.gains, off), (swept.gains, off)).rows) == six
+    filters, state = Estimator(), Estimator(kind="state")
+    assert len(gains((swept.gains, filters), (swept.gains, filters)).rows) == six
+    rows = gains((swept.gains, state), (swept.gains, filters)).rows[six:]
+    assert [row[3] for row in rows] == ["40 rad/s", "by default"]
     for pair in ((on, off), (off, on)):
         table = gains((swept.gains, pair[0]), (swept.gains, pair[1]), "before")
         marks = {cell.text: n for n, cell in enumerate(column(table, "Key"))}
