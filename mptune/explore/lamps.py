@@ -12,7 +12,6 @@ import numpy as np
 
 from mptune.certify.result import Grounds
 from mptune.loops.broken import FORCE, VELOCITY
-from mptune.loops.noise import noise_gain
 from mptune.loops.sampled import stable_as_sampled
 from mptune.loops.stability import count_unstable_poles
 from mptune.robust.demands import running_checks
@@ -21,6 +20,7 @@ from mptune.robust.family import Family
 from mptune.robust.margins import Margins
 from mptune.robust.place import PlantPoint, plant_point
 from mptune.robust.result import Check, Condition, Status
+from mptune.robust.sweep import noises_of
 from mptune.robust.verdict import allowed_ratio, check_requirements
 
 if TYPE_CHECKING:
@@ -53,8 +53,8 @@ def grid_checks(sides: GridSides, corners: LinearModel) -> tuple[Check, ...]:
     sampled = None
     if any(getattr(asked, key) is not None for key in _OF_SAMPLED):
         sampled = as_sampled(corners, gains, sides.omega)
-    noise = noise_gain(gains, model.filters)
-    checks = check_requirements(model, conditions, true, sampled, noise, None)
+    noises = noises_of(model, gains)
+    checks = check_requirements(model, conditions, true, sampled, noises, None)
     checks += running_checks(corners, gains, ahead, None)
     return (*checks, *_as_it_runs(corners))
 

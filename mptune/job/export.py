@@ -164,6 +164,7 @@ def prepare(
     differs: tuple[Difference, ...] = (),
 ) -> TargetController:
     """Return the controller as it will be written, its margins computed for those very numbers."""
+    study = source.put_over(study)
     gains = rounded_section(source.gains, digits)
     feedforward = rounded_section(source.feedforward, digits)
     numbers = controller_numbers(study, gains, feedforward, precision)

@@ -89,11 +89,12 @@ def systems_study(
 
     file, differs = (None, ()) if gains is None else gains_for(study, gains)
     folder = make_folder(Path(out) / study.name)
-    result = (
-        compare_systems(study, progress=progress)
-        if file is None
-        else compare_systems(study, file.gains, file.feedforward, progress)
-    )
+    if file is None:
+        result = compare_systems(study, progress=progress)
+    else:
+        chosen = {"estimator": file.estimator or study.study.estimator}
+        around = study.model_copy(update={"study": study.study.model_copy(update=chosen)})
+        result = compare_systems(around, file.gains, file.feedforward, progress)
     files = (
         write_whole(folder / "systems.svg", to_svg(loss_over_index(result.rows()))),
         keep(folder, "systems", study, result.rows()),
@@ -134,13 +135,13 @@ def compare_systems(
     others = studies_beside(study)
     if gains is None:
         tuned = tune(study, progress)
-        gains, feedforward = tuned.gains, tuned.feedforward
+        study, gains, feedforward = tuned.sweep.study, tuned.gains, tuned.feedforward
     ahead = feedforward or study.study.feedforward
     neighbours: list[Contender] = []
     for other in others:
         theirs = tune(other, progress)  # on its own model, by its own requirements
-        key = f"beside_{len(neighbours) + 1}"
-        neighbours.append(neighbour(key, study, other, theirs.gains, theirs.feedforward))
+        key, best = f"beside_{len(neighbours) + 1}", theirs.sweep.study
+        neighbours.append(neighbour(key, study, (other, best), theirs.gains, theirs.feedforward))
     return contest(
         study,
         lambda one: (
@@ -179,7 +180,11 @@ def this_machine(study: ResolvedStudy, tuned: Gains, ahead: Feedforward) -> Iter
 
 
 def neighbour(
-    key: str, study: ResolvedStudy, other: ResolvedStudy, tuned: Gains, ahead: Feedforward
+    key: str,
+    study: ResolvedStudy,
+    others: tuple[ResolvedStudy, ResolvedStudy],
+    tuned: Gains,
+    ahead: Feedforward,
 ) -> Contender:
     """Return another study's machine under a study's load and moves.
 
@@ -187,8 +192,10 @@ def neighbour(
     ----------
     key
         Its key in the comparison.
-    study, other
-        Whose load and moves, and whose machine, controller and own gains.
+    study
+        Whose load and moves.
+    others
+        Whose machine, controller and own gains; the same around the tuner's state estimator.
     tuned, ahead
         The gains and the feed-forward of the other's tuner, which the common rule may choose.
 
@@ -197,9 +204,10 @@ def neighbour(
     InputError
         If the other's machine cannot make these moves.
     """
-    moved = on_the_load_of(study, other)
+    other = others[0]
+    moved, around = (on_the_load_of(study, one) for one in others)
     own = _under(moved, ITS_OWN, other.study.gains, other.study.feedforward)
-    best = _under(moved, "tuned", tuned, ahead)
+    best = _under(around, "tuned", tuned, ahead)
     return Contender(key, f"study {other.name}", _BOUNDARY, own, (best,))
 
 

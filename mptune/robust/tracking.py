@@ -24,6 +24,7 @@ if TYPE_CHECKING:
 
 BINS = 16  # of time: the error's peak in each is a smooth function of the gains
 _SAMPLES_PER_MOVE = 20 * BINS
+_FRICTIONLESS = {"viscous_friction": 0.0, "coulomb_friction": 0.0}
 
 
 def family_tracking(
@@ -38,7 +39,8 @@ def family_tracking(
 
     The continuous loop has velocity feed-forward alone, exact dead time, and the measurement path
     of the study's model; the sampled one is the loop as it runs, feed-forward and state estimator
-    included. Which of them is the objective's ``tracking_loop``.
+    included, but for friction's, of which linear loops have none. Which of them is the objective's
+    ``tracking_loop``.
 
     Parameters
     ----------
@@ -61,7 +63,9 @@ def family_tracking(
     if model.study.study.objective.tracking_loop == "sampled":
         loops = model.as_it_runs(gains, plants)
         masses = model.study.uncertainty.mass
-        ahead = pack_feedforward(feedforward, model.filters.sample_time, masses)
+        ahead = pack_feedforward(
+            feedforward.model_copy(update=_FRICTIONLESS), model.filters.sample_time, masses
+        )
         by = pack_estimator(model.study)
         peaks = [
             tracking_peaks(loops, model.period, move, ahead, BINS, by, running_away=running_away)

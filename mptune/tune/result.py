@@ -90,8 +90,8 @@ class TuneResult(Summarised, Drawn):
     ----------
     structure
         Structure of the position controller, one of ``mptune.tune.space.STRUCTURES``.
-    gains, feedforward, estimator, before
-        The tuned gains, feed-forward and estimator, and the study's own gains.
+    gains, feedforward, estimator, before, estimator_before
+        The tuned gains, feed-forward and estimator, and the study's own gains and estimator.
     figures, figures_before
         Their figures of merit.
     velocity
@@ -114,6 +114,7 @@ class TuneResult(Summarised, Drawn):
     feedforward: Feedforward
     estimator: Estimator
     before: Gains
+    estimator_before: Estimator
     figures: Figures
     figures_before: Figures
     velocity: VelocityGain

@@ -206,6 +206,7 @@ class Tuner:
             feedforward=found.choice.feedforward,
             estimator=found.choice.estimator,
             before=self._study.study.gains,
+            estimator_before=self._study.study.estimator,
             figures=self._judge.figures(found.choice),
             figures_before=self._judge.figures(self._own),
             velocity=self._velocity,

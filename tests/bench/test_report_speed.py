@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from mptune.job.report import draw, linear_part, report
+from mptune.job.report import draw, linear_part, report, results_of
 from mptune.job.run import run
 
 pytestmark = pytest.mark.bench
@@ -17,7 +17,7 @@ def test_report_of_the_boom_study(load_boom, tmp_path):
     linear = linear_part(result.tuned.sweep, result.moves)
     figures = draw(result, linear)
     drawn = time.perf_counter()
-    pdf, html = report(tmp_path, result, linear, figures)
+    pdf, html = report(tmp_path, results_of(tmp_path, result, linear), figures)
     end = time.perf_counter()
     sizes = [path.stat().st_size / 1e6 for path in (pdf, html)]
     print(f"figures {drawn - start:.1f} s, reports {end - drawn:.1f} s")

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.params.controller import Feedforward
+from mptune.params.estimator import Estimator
 from mptune.params.headline import Headline
 from mptune.report.blocks import (
     Cell,
@@ -49,9 +50,12 @@ def front_page(results: Results) -> FrontPage:
     """Return the verdict with its reasons, and the tables of the first page."""
     study, swept, judged = results.study, results.sweep, results.verdict
     words = f"Study {study.name}, uncertainty set {study.uncertainty_name or 'default'}, "
-    ahead = results.feedforward, study.study.feedforward
+    own, found = study.study, swept.study.study
     tables = (
-        gains((swept.gains, ahead[0]), (results.published.gains, ahead[1])),
+        gains(
+            (swept.gains, results.feedforward, found.estimator),
+            (results.published.gains, own.feedforward, own.estimator),
+        ),
         requirements((*swept.checks, *_of_machine(results))),
         beside_the_paper(results),
         controllers(results.leftovers.compared).brief(),
@@ -158,21 +162,26 @@ def standing(study: ResolvedStudy) -> list[str]:
 def gains(
     found: Sequence[Section], before: Sequence[Section], heading: str = "Study's own"
 ) -> Tabular:
-    """Return gains beside others, and feed-forward where it is used: it is off in the paper."""
+    """Return gains beside others; feed-forward and estimator where used: the paper has neither."""
+    nothing = Feedforward(), Estimator()
     rows: list[Row] = [
         [
             symbol(mark),
             Cell(key, "key"),
-            Cell(shown(getattr(one, key), unit), "strong"),
-            shown(getattr(other, key), unit),
+            Cell(_shown(getattr(one, key), unit), "strong"),
+            _shown(getattr(other, key), unit),
             meaning,
         ]
         for one, other in zip(found, before, strict=True)
-        if not one == other == Feedforward()
+        if not (one == other and one in nothing)
         for key, unit, mark, meaning in one.quantities()
     ]
     key, meaning = Column("Key", detail=True), wide("Meaning", detail=True)
     return Tabular("Gains", [*left("Symbol"), key, *right("Value", heading), meaning], rows)
+
+
+def _shown(value: float | None, unit: str) -> str:
+    return "by default" if value is None else shown(value, unit)
 
 
 def _of_machine(results: Results) -> tuple[Check, ...]:

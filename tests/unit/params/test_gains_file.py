@@ -104,6 +104,16 @@ def test_any_name_of_a_study_comes_back(tmp_path, name):
     assert read_gains(path).study == name
 
 
+def test_an_estimator_comes_back_and_a_file_without_one_leaves_the_studys(tmp_path, boom):
+    chosen = {"kind": "state", "bandwidth": 52.5, "mass": 23_010.0, "reference_injection": True}
+    for name, section in (("chosen", chosen), ("least mass", {"kind": "state"}), ("none", None)):
+        file = gains_file(estimator=section)
+        found = read_gains(write_gains(tmp_path / f"{name}.toml", file))
+        assert found == file
+        own = found.put_over(boom).study.estimator
+        assert own == (boom.study.estimator if section is None else file.estimator)
+
+
 def test_the_file_is_plain_toml_in_si_under_the_study_s_own_keys(written):
     values = tomllib.loads(written[1])
     assert values["gains"]["k_p_vel"] == 7e5

@@ -99,7 +99,8 @@ def tuning_of(swept, figures=NOTHING):
     blocking = Blocking("velocity_ratio", float("inf"), swept.velocity.at, "allow more", ())
     return TuneResult(
         status=TuneStatus.INFEASIBLE, structure="eq22", gains=swept.gains,
-        feedforward=swept.study.study.feedforward, before=swept.gains, figures=figures,
+        feedforward=swept.study.study.feedforward, estimator=swept.study.study.estimator,
+        before=swept.gains, estimator_before=swept.study.study.estimator, figures=figures,
         figures_before=NOTHING, velocity=VelocityGain(0.0, "bounds", 0.0, 0), sweep=swept,
         blocking=blocking, binding=("velocity_ratio",), rounds=(), evaluations=10,
     )  # fmt: skip

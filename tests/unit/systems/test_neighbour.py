@@ -26,7 +26,7 @@ def test_a_neighbour_moves_as_its_own_study_would_under_the_same_load(short, stu
     changed = load_study(study_file, changes)
     other = load_study(study_file, ["load.force=1 kN", "controller.delay_prediction=6.5 ms"])
     gains = other.study.gains
-    entrant = neighbour("beside_1", short, other, gains, AHEAD)
+    entrant = neighbour("beside_1", short, (other, other), gains, AHEAD)
     assert (entrant.title, entrant.literature.name) == ("study boom", "its own")
     machine = Case(CASE.mass, (5e-3, 8e-3), CASE.oil_bulk_modulus, CASE.load_force, CASE.seed)
     for tuned, ahead in ((entrant.literature, Feedforward()), (entrant.others[0], AHEAD)):
