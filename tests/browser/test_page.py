@@ -128,8 +128,7 @@ def test_tuned_and_saved_but_never_over_a_file_unasked(browser, address, out):
     page.get_by_text("Save", exact=True).click()
     page.locator(".wrong", has_text="exists").wait_for()
     assert path.read_text(encoding="utf-8") == "mine"
-    page.get_by_text("Write over the file that exists").click()
-    page.get_by_text("Save", exact=True).click()
+    page.get_by_text("Write over it", exact=True).click()
     page.locator(".note", has_text="written").wait_for(timeout=120_000)
     gains = read_gains(path)
     assert gains.closed_loop == "satisfied"
