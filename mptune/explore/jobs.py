@@ -141,7 +141,7 @@ def drawn(ask: Ask, out: Path, progress: Progress) -> Path:
     name = hashlib.sha256(repr(ask).encode()).hexdigest()[:8]
     folder = make_folder(out / swept.study.name / f"explore-{name}")
     progress("figures", 0.0)
-    for drawing in SweepResult.drawings:
+    for drawing in swept.drawings:
         write_whole(folder / f"{drawing}.svg", to_svg(swept.plot(drawing)))
     write_whole(folder / "chain.svg", to_svg(gain_chain(links)))
     return folder
@@ -175,7 +175,7 @@ def run(kind: str, arguments: tuple[Any, ...], progress: Progress) -> Any:
     if kind == "tuned":
         return tuned(arguments[0], progress)
     if kind == "drawn":
-        return drawn(*arguments, progress)
+        return drawn(arguments[0], arguments[1], progress)
     if kind == "saved":
         ask, path, over = arguments
         return saved(ask, path, progress, over=over)

@@ -134,6 +134,10 @@ def test_tuned_and_saved_but_never_over_a_file_unasked(browser, address, out):
     assert gains.closed_loop == "satisfied"
     assert gains.verdict
     assert gains.gains.k_p_vel == pytest.approx(gain(page))
+    page.get_by_text("Save figures", exact=True).click()
+    page.locator(".note", has_text="Figures written").wait_for(timeout=120_000)
+    drawn = {one.name for one in (out / "boom").glob("explore-*/*.svg")}
+    assert {"panels.svg", "bode.svg", "nyquist.svg", "chain.svg"} <= drawn
     assert said == []
     page.close()
 

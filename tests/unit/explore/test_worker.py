@@ -7,9 +7,8 @@ import time
 import pytest
 
 from mptune.errors import InputError
-from mptune.explore.jobs import Ask, drawn, refuse_to_overwrite
+from mptune.explore.jobs import Ask, refuse_to_overwrite
 from mptune.explore.worker import Worker
-from mptune.progress import silent
 
 
 def running(number):
@@ -53,11 +52,3 @@ def test_no_file_is_written_over_unasked(tmp_path):
     refuse_to_overwrite(path, over=True)
     with pytest.raises(InputError, match=r"\.toml"):
         refuse_to_overwrite(tmp_path / "gains.py", over=True)
-
-
-def test_figures_stand_in_a_folder_of_their_own(tmp_path, study_file):
-    ask = Ask(study_file, ("uncertainty.points=2",), "")
-    folder = drawn(ask, tmp_path, silent)
-    assert folder.parent == tmp_path / "boom"
-    assert {path.suffix for path in folder.iterdir()} == {".svg"}
-    assert {"panels", "bode", "nyquist", "chain"} <= {path.stem for path in folder.iterdir()}
