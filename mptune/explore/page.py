@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import panel as pn
 from bokeh.models import CustomJS
-from bokeh.models.ui import Tooltip
 from bokeh.models.widgets import Toggle
 
 from mptune.explore.controls import Controls
@@ -197,9 +196,8 @@ def _select(name: str, options: list[str]) -> pn.widgets.Select:
 
 def _button(name: str, tip: str) -> pn.widgets.Button:
     kind = "primary" if name in {"Tune from here", "Save"} else "default"
-    below = Tooltip(content=tip, position="bottom")
     return pn.widgets.Button(
-        name=name, button_type=kind, margin=(4, 4), description=below, align="end"
+        name=name, button_type=kind, margin=(4, 4), description=tip, align="end"
     )
 
 
