@@ -24,6 +24,10 @@ _SLIDER = """
 .noUi-handle:focus { outline: 3px solid var(--accent); outline-offset: 2px; }
 """
 
+_SAID_ONLY = """
+label { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path: inset(50%); }
+"""
+
 
 class KnobRow:
     """One knob: a slider, and a field for each end of a range.
@@ -47,11 +51,14 @@ class KnobRow:
             start=0.0, end=1.0, show_value=False, sizing_mode="stretch_width", margin=(2, 8, 0, 8),
             stylesheets=[_SLIDER],
         )  # fmt: skip
-        count = 2 if knob.is_range else 1
+        ends = ("least", "largest") if knob.is_range else ("",)
         self.fields = [
-            pn.widgets.FloatInput(value=0.0, width=_FIELD, margin=(0, 4, 4, 4), format="0.[00000]")
-            for _ in range(count)
-        ]
+            pn.widgets.FloatInput(
+                name=f"{knob.symbol}{unit} {end}".strip(), value=0.0, width=_FIELD,
+                margin=(0, 4, 4, 4), format="0.[00000]", stylesheets=[_SAID_ONLY],
+            )
+            for end in ends
+        ]  # fmt: skip
         self.slider.param.watch(self._slid, "value")
         for field in self.fields:
             field.param.watch(self._typed, "value")

@@ -7,12 +7,13 @@ tune`` find for the same texts.
 
 from __future__ import annotations
 
+import hashlib
 from dataclasses import dataclass
 from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
-from mptune.files import make_folder
+from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
 from mptune.params.gains import write_gains
 from mptune.params.load import load_study
@@ -122,6 +123,30 @@ def saved(ask: Ask, path: Path, progress: Progress, *, over: bool) -> str:
     return file.verdicts
 
 
+def drawn(ask: Ask, out: Path, progress: Progress) -> Path:
+    """Write the sweep's figures as SVG; return their folder, named after what is drawn.
+
+    Raises
+    ------
+    InputError
+        If the setting is no study, or the folder cannot be written to.
+    OutputError
+        If a figure cannot be written.
+    """
+    from mptune.figures.chain import gain_chain
+    from mptune.figures.style import to_svg
+
+    progress("certify", 0.0)
+    swept, links = _swept(ask)
+    name = hashlib.sha256(repr(ask).encode()).hexdigest()[:8]
+    folder = make_folder(out / swept.study.name / f"explore-{name}")
+    progress("figures", 0.0)
+    for drawing in swept.drawings:
+        write_whole(folder / f"{drawing}.svg", to_svg(swept.plot(drawing)))
+    write_whole(folder / "chain.svg", to_svg(gain_chain(links)))
+    return folder
+
+
 def refuse_to_overwrite(path: Path, *, over: bool) -> None:
     """Refuse to write over a file, unless that was asked for, or where no gains file belongs.
 
@@ -149,6 +174,8 @@ def run(kind: str, arguments: tuple[Any, ...], progress: Progress) -> Any:
         return certified(arguments[0], progress)
     if kind == "tuned":
         return tuned(arguments[0], progress)
+    if kind == "drawn":
+        return drawn(arguments[0], arguments[1], progress)
     if kind == "saved":
         ask, path, over = arguments
         return saved(ask, path, progress, over=over)

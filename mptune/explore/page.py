@@ -88,9 +88,14 @@ class Page:
         self.gains_path = pn.widgets.TextInput(
             name="Gains file", value=gains_path, sizing_mode="stretch_width", margin=(2, 8)
         )
-        self.over = pn.widgets.Checkbox(name="Write over the file that exists", visible=False)
+        self.over = self.buttons["Write over it"]
+        self.over.visible = False
         self.toml = pn.widgets.TextAreaInput(
-            name="As a study has them", height=150, sizing_mode="stretch_width", disabled=True
+            name="As a study has them",
+            height=150,
+            sizing_mode="stretch_width",
+            disabled=True,
+            stylesheets=[".bk-input[disabled] { opacity: 1; cursor: text; }"],
         )
         self.view = pn.widgets.RadioButtonGroup(
             name="View", options=list(VIEWS), value=VIEWS[0], button_type="primary",
@@ -149,8 +154,8 @@ class Page:
         groups = list(self.controls.groups.values())
         groups[2].insert(0, self.kind)
         save = pn.Card(
-            self.gains_path, self.over,
-            pn.FlexBox(buttons["Save"], buttons["Copy TOML"], buttons["Copy address"]),
+            self.gains_path,
+            pn.FlexBox(*(buttons[name] for name in _SAVING)),
             self.toml,
             title="Save and share", collapsed=True, sizing_mode="stretch_width",
         )  # fmt: skip
@@ -168,6 +173,7 @@ class Page:
         return pn.Column(tools, body, sizing_mode="stretch_width", margin=(4, 12))
 
 
+_SAVING = ("Save", "Write over it", "Save figures", "Copy TOML", "Copy address")
 _BUTTONS = {
     "Undo": "Back to before the last change",
     "Redo": "The change that was undone, again",
@@ -177,6 +183,8 @@ _BUTTONS = {
     "Tune from here": "Run the tuner from where the sliders stand",
     "Stop": "Stop the tuner, or whatever runs",
     "Save": "Write gains.toml with the verdicts of the linear models and of the machine",
+    "Write over it": "Write over the file that exists",
+    "Save figures": "Write the certified sweep's figures as SVG beside the gains",
     "Copy TOML": "Copy the gains as a study has them",
     "Copy address": "Copy the address of this setting",
 }

@@ -24,7 +24,9 @@ if TYPE_CHECKING:
     from panel.viewable import Viewable
 
 _GLANCE = 250  # ms, between looks at how many tabs are open
-_LIFETIME, _CHECK = 4000, 1000  # ms, that a session outlives its tab, and between looks
+# ms, that a session may wait for its tab to connect, or outlives it, and between looks. A session
+# that is made anew because a slow browser came too late would look for Panel's styles elsewhere.
+_LIFETIME, _CHECK = 60_000, 5_000
 
 
 class PageServer:

@@ -49,7 +49,7 @@ class Session:
     """
 
     def __init__(self, library: Library, out: Path, query: str = "") -> None:
-        self._library, self._document = library, pn.state.curdoc
+        self._library, self._document, self._out = library, pn.state.curdoc, out
         setting, wrong = self._first(query)
         self._history, self._shown = History(setting), setting
         self._study = library.load(setting.study, setting.uncertainty)
@@ -103,6 +103,8 @@ class Session:
             "Tune from here": self._tune,
             "Stop": self._slow.stop,
             "Save": self._save,
+            "Save figures": self._save_figures,
+            "Write over it": partial(self._save, over=True),
         }
         for name, action in actions.items():
             buttons[name].on_click(partial(_act, action))
@@ -272,9 +274,13 @@ class Session:
         self._go(self._history.to(tuned))
         self._say_next = found.words
 
-    def _save(self) -> None:
+    def _save(self, *, over: bool = False) -> None:
         self._settled()
-        self._slow.save(self._library.ask(self._shown), self._rest_soon)
+        self._slow.save(self._library.ask(self._shown), self._rest_soon, over=over)
+
+    def _save_figures(self) -> None:
+        self._settled()
+        self._slow.draw(self._library.ask(self._shown), self._out, self._rest_soon)
 
     # The end.
 

@@ -24,8 +24,9 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
 
 _STAGES = {"certify": "Certifying over the whole box", "tune": "Tuning",
-           "verify": "Running the nonlinear machine", "chain": "Gain factors"}  # fmt: skip
-_BY_HAND = {"tuned", "saved"}
+           "verify": "Running the nonlinear machine",
+           "figures": "Drawing", "chain": "Gain factors"}  # fmt: skip
+_BY_HAND = {"tuned", "saved", "drawn"}
 
 
 class SlowWork:
@@ -61,14 +62,13 @@ class SlowWork:
         """Tune; whatever runs is overtaken."""
         self._start("tuned", (ask,), done)
 
-    def save(self, ask: Ask, done: Callable[[], None]) -> None:
-        """Save the gains with both verdicts, having asked before a file is written over."""
+    def save(self, ask: Ask, done: Callable[[], None], *, over: bool) -> None:
+        """Save the gains with both verdicts; over a file that exists only where that is meant."""
         page = self._page
         path = Path(page.gains_path.value or "")
-        over = page.over.visible and page.over.value
-        page.over.visible, page.over.value = path.exists(), False
+        page.over.visible = path.exists()
         if path.exists() and not over:
-            text = f"{path} exists: tick the box to write over it, or choose another name."
+            text = f"{path} exists: write over it, or choose another name."
             page.message.object = words.said(text, wrong=True)
             return
 
@@ -78,6 +78,15 @@ class SlowWork:
             done()
 
         self._start("saved", (ask, path.resolve(), over), saved)
+
+    def draw(self, ask: Ask, out: Path, done: Callable[[], None]) -> None:
+        """Write the figures of the certified sweep into a folder of their own."""
+
+        def drawn(folder: Path) -> None:
+            self._page.message.object = words.said(f"Figures written into {folder}.")
+            done()
+
+        self._start("drawn", (ask, out.resolve()), drawn)
 
     def stop(self) -> None:
         """Stop what runs in the process."""
@@ -129,4 +138,6 @@ class SlowWork:
                 done(message.content)
 
         self._worker.start(kind, arguments, heard)
+        if kind in _BY_HAND:
+            self._page.message.object = ""
         self._page.work.object = words.working("Starting", None)

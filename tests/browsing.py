@@ -21,7 +21,7 @@ def missing():
 
 @contextlib.contextmanager
 def served(study, *options, cwd=None):
-    """Serve a study's page; yield the process and its address."""
+    """Serve a study's page; yield the process and its address. Ctrl-C has to end it cleanly."""
     command = [sys.executable, "-m", "mptune.cli", "explore", str(study), "--no-browser", *options]
     with subprocess.Popen(
         command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, cwd=cwd
@@ -31,7 +31,9 @@ def served(study, *options, cwd=None):
         finally:
             if process.poll() is None:
                 process.send_signal(signal.SIGINT)
-                process.communicate(timeout=20)
+            _, errors = process.communicate(timeout=30)
+        assert process.returncode == 0, errors
+        assert "Traceback" not in errors
 
 
 @contextlib.contextmanager
