@@ -9,6 +9,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
 from mptune.job.beside import studies_beside
 from mptune.job.leftovers import keep
@@ -128,10 +129,14 @@ def compare_systems(
     Raises
     ------
     InputError
-        If a study beside this one cannot be read, or its machine cannot make these moves.
+        If a study beside this one cannot be read, its machine cannot make these moves, or none of
+        the moves is to a place.
     """
     from mptune.tune.tuner import tune
 
+    if all(move.kind == "velocity" for move in study.study.manoeuvre):
+        rule, remedy = "has no move to a place, whose index is compared", 'add kind = "quintic"'
+        raise InputError(study.name, Fault("manoeuvre", "velocity", rule, remedy))
     others = studies_beside(study)
     if gains is None:
         tuned = tune(study, progress)

@@ -128,6 +128,13 @@ def tuning(tuned: TuneResult) -> list[str]:
     return texts
 
 
+_MEASURED = {
+    "none": "without the measurement path",
+    "filters": "with the measurement path",
+    "estimator": "with the state estimator",
+}
+
+
 def warnings(swept: SweepResult) -> list[str]:
     """Return what the verdict does not say: undecided, unstable and unevaluated."""
     undecided = undecided_text(swept)
@@ -135,13 +142,12 @@ def warnings(swept: SweepResult) -> list[str]:
     for family in swept.families:
         if not family.unstable_count:
             continue
-        filtered = family.path != "none"
         found.append(
             f"{family.unstable_count} of {len(family.stable)} plants are unstable "
-            f"{'with' if filtered else 'without'} the measurement path, for instance "
+            f"{_MEASURED[family.path]}, for instance "
             f"{place_text(family.first_unstable())}."
         )
-        if filtered and swept.study.study.model.measurement_path == "none":
+        if family.path != "none" and swept.study.study.model.measurement_path == "none":
             found[-1] += " Eq. 17 and Eq. 21 as stated leave that path out."
     found += [
         f"{check.label} {check.limit}: cannot be evaluated, as some total delay is below half a "

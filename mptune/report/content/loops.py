@@ -252,16 +252,17 @@ def sensitivities(results: Results) -> Chapter:
     peaks = [
         number(family.worst("sensitivity_peak", FORCE)[0], 3) for family in results.sweep.families
     ]
+    measured = "state estimator" if results.sweep.model.estimated else "measurement path"
     return Chapter.of(
         "Sensitivity functions and load step",
         Figure(
             "|S| and |T| of the velocity loop, of the position loop and of the loop at F_ref over "
-            "the family. Dotted: the plant with the highest |S| once the measurement path is in "
-            "the loop.",
+            f"the family. Dotted: the plant with the highest |S| once the {measured} is in the "
+            "loop.",
             "sensitivity",
         ),
         Prose(
-            f"Worst M_S at F_ref over the family: {peaks[0]} without the measurement path, "
+            f"Worst M_S at F_ref over the family: {peaks[0]} without the {measured}, "
             f"{peaks[1]} with it (a dash: some plant is unstable)."
         ),
         Figure(
