@@ -8,7 +8,7 @@ from __future__ import annotations
 import sys
 import threading
 import time
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from contextvars import ContextVar
 from typing import TYPE_CHECKING
 
@@ -97,9 +97,8 @@ def telling(*, quiet: bool, every: float = EVERY) -> Iterator[Stages]:
         while not ended.wait(every):
             _say(stages.line())
 
-    on_terminal = sys.stderr is not None and sys.stderr.isatty()
     teller = threading.Thread(target=tell, daemon=True)
-    if not quiet and not on_terminal:
+    if not quiet and not _on_terminal():
         teller.start()
     try:
         yield stages
@@ -112,6 +111,13 @@ def telling(*, quiet: bool, every: float = EVERY) -> Iterator[Stages]:
             _say(f"{stage}: {spent:.1f} s, {worked:.1f} s of the processor")
 
 
+def _on_terminal() -> bool:
+    return sys.stderr is not None and not sys.stderr.closed and sys.stderr.isatty()
+
+
 def _say(text: str) -> None:
-    sys.stderr.write(f"mptune: {text}\n")
-    sys.stderr.flush()
+    """Write a line; a stream that is closed or not there is no reason to end the work."""
+    if sys.stderr is not None:
+        with suppress(OSError, ValueError):
+            sys.stderr.write(f"mptune: {text}\n")
+            sys.stderr.flush()

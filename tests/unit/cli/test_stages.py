@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import io
 import re
+import sys
 import time
 
 import pytest
@@ -91,3 +93,18 @@ def test_every_command_on_a_study_takes_quiet_and_verbose(capsys):
         words = capsys.readouterr().out
         assert "-q, --quiet" in words
         assert "-v, --verbose" in words
+
+
+@pytest.mark.parametrize("missing", [True, False])
+def test_a_closed_or_missing_stream_does_not_end_the_work(monkeypatch, missing):
+    stream = io.StringIO()
+    stream.close()
+    monkeypatch.setattr(sys, "stderr", None if missing else stream)
+    be_verbose(asked=True)
+    try:
+        with telling(quiet=False, every=0.01) as stages:
+            stages.take("sweep", 0.5)
+            time.sleep(0.03)
+    finally:
+        be_verbose(asked=False)
+    assert list(stages.durations()) == ["sweep"]
