@@ -71,16 +71,30 @@ def new_plot(title: str, x: str, y: str, **kwargs: Any) -> figure:
     return plot
 
 
-def entitle(plot: figure, text: str) -> None:
-    """Give a plot another title."""
-    title: Any = plot.title
-    title.text = text
+class Titles:
+    """Titles that wait until a slider rests: another title lays the whole plot out anew."""
+
+    def __init__(self) -> None:
+        self._waiting: dict[str, tuple[figure, str]] = {}
+
+    def note(self, plot: figure, text: str) -> None:
+        """Take note of a plot's next title."""
+        self._waiting[plot.id] = (plot, text)
+
+    def settle(self) -> None:
+        """Give every plot the title that it waits for."""
+        for plot, text in self._waiting.values():
+            title: Any = plot.title
+            title.text = text
+        self._waiting.clear()
 
 
-def reach(plot: figure, low: float, high: float) -> None:
-    """Let a plot's y axis reach from one value to another."""
-    span: Any = plot.y_range
-    span.update(start=low, end=high)
+def reach(axis: Any, low: float, high: float) -> None:
+    """Let the range of an axis hold two values; it stays where that leaves no more than twice."""
+    span = high - low
+    held = axis.start <= low and high <= axis.end
+    if not held or axis.end - axis.start > 2.2 * span:
+        axis.update(start=low - 0.05 * span, end=high + 0.12 * span)
 
 
 def decades(plot: figure) -> None:

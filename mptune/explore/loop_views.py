@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.explore.looking import CHOSEN, NOMINAL
-from mptune.explore.looks import HEIGHT, decades, entitle, hover, line, link, new_plot, show_kept
+from mptune.explore.looks import HEIGHT, Titles, decades, hover, line, link, new_plot, show_kept
 from mptune.explore.plotted import CurveSet, source
 
 if TYPE_CHECKING:
@@ -24,6 +24,7 @@ class LoopsView:
     """The chosen loop: Bode, Nyquist, |S| and |T|."""
 
     def __init__(self) -> None:
+        self.titles = Titles()
         log = {"x_axis_type": "log"}
         self._magnitude = new_plot(
             "Magnitude", _FREQUENCY, "|L| [dB]", **log, y_range=(-40, 40), x_range=(0.5, 500)
@@ -97,9 +98,9 @@ class LoopsView:
             omega = kept.loops.omega if kept is not None and kept.loops is not None else None
             one.keep(omega, others[number][0] if others else None)
         peak = float(now.loops.sensitivity[CHOSEN].max())
-        entitle(self._size, f"Sensitivity: up to {peak:.3g} with the chosen plant")
+        self.titles.note(self._size, f"Sensitivity: up to {peak:.3g} with the chosen plant")
         far = float(now.loops.complementary[CHOSEN].max())
-        entitle(self._rest, f"Complementary sensitivity: up to {far:.3g}")
+        self.titles.note(self._rest, f"Complementary sensitivity: up to {far:.3g}")
         self._show_nyquist(now, kept)
 
     def _show_nyquist(self, now: Picture, kept: Picture | None) -> None:

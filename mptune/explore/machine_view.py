@@ -8,7 +8,7 @@ import numpy as np
 from bokeh.models import FactorRange
 from bokeh.models.annotations import Span
 
-from mptune.explore.looks import entitle, hover, line, link, new_plot
+from mptune.explore.looks import Titles, hover, line, link, new_plot
 from mptune.explore.plotted import source
 from mptune.robust.chain import factor_text
 
@@ -29,6 +29,7 @@ class MoveView:
     """Position error, force and valve states of one move."""
 
     def __init__(self) -> None:
+        self.titles = Titles()
         self._error = new_plot("Position error", _TIME, "x_ref − x [mm]")
         self._force = new_plot("Force", _TIME, "F [kN]")
         self._states = new_plot("Valve states of A and B", _TIME, "Number of the state [–]")
@@ -74,7 +75,7 @@ class MoveView:
             "force": 1e-3 * published.force,
         }
         mass = now.case.mass_kg / 1e3
-        entitle(self._error, f"Position error, {mass:g} t, seed {now.case.seed}")
+        self.titles.note(self._error, f"Position error, {mass:g} t, seed {now.case.seed}")
 
 
 def _drawn(values: FloatArray) -> FloatArray:
@@ -85,6 +86,7 @@ class ChainView:
     """One bar per model, from 1 to the factor by which the gain at F_ref may rise."""
 
     def __init__(self) -> None:
+        self.titles = Titles()
         self._range = FactorRange(factors=[])
         self._plot = new_plot(
             "Chain of gain factors", "Factor on the gain at F_ref [–]", "",
@@ -124,4 +126,4 @@ class ChainView:
             "words": words,
             "note": [link.note for link in links],
         }
-        entitle(self._plot, f"Chain of gain factors ({grounds})")
+        self.titles.note(self._plot, f"Chain of gain factors ({grounds})")

@@ -124,6 +124,11 @@ class Page:
         views = (self.sides, self.steps, self.loops, self.move, self.chain)
         return [plot for view in views for plot in view.plots]
 
+    def settle(self) -> None:
+        """Say in the titles what the plots show, once a slider rests."""
+        for view in (self.sides, self.steps, self.loops, self.move, self.chain):
+            view.titles.settle()
+
     def dress(self) -> None:
         """Give every plot the colours of the theme."""
         for plot in self.plots:

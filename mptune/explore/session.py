@@ -249,6 +249,7 @@ class Session:
             self._slow.certify(
                 self._library.ask(self._shown), lambda found: self._certified(now, found)
             )
+        page.settle()
         self._slow.move(self._study, now, self._is_shown)
 
     def _is_shown(self, found: Picture) -> bool:
@@ -260,6 +261,7 @@ class Session:
         self._proved = found
         self.page.verdict.object = words.verdict(found.judgement, "")
         self.page.chain.show(found.links, "certified")
+        self.page.settle()
         self._show_lamps()
 
     # By hand.

@@ -7,14 +7,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mptune.explore.looks import (
+    Titles,
     band,
     decades,
-    entitle,
     hover,
     line,
     link,
     new_plot,
-    reach,
     show_kept,
 )
 from mptune.explore.plotted import source
@@ -34,11 +33,17 @@ class SidesView:
     """Both sides of Eq. 17 and Eq. 21, with the plant that binds at each frequency."""
 
     def __init__(self) -> None:
+        self.titles = Titles()
         self.plots: list[figure] = []
         self._data, self._kept, self._worst = [], [], []
         for name in ("velocity", "position"):
             plot = new_plot(
-                EQUATIONS[name], _FREQUENCY, "Magnitude [–]", x_axis_type="log", y_axis_type="log"
+                EQUATIONS[name],
+                _FREQUENCY,
+                "Magnitude [–]",
+                x_axis_type="log",
+                y_axis_type="log",
+                y_range=(0.1, 12),
             )
             decades(plot)
             data = source("omega", "low", "left", "right", "ratio", "plant")
@@ -81,12 +86,10 @@ class SidesView:
             self._kept[loop].data = _sides_of(kept, loop)
             show_kept(plot, shown=kept is not None)
             equation = EQUATIONS[("velocity", "position")[loop]]
-            entitle(
+            self.titles.note(
                 plot,
                 f"{equation}: worst ratio {ratio:.4f} at {at.frequency_rad_s:.1f} rad/s (grid)",
             )
-            top = max(2 * float(found.left[loop].max()), 12.0)
-            reach(plot, max(float(found.left[loop, 0]) / 4, 0.02), top)
 
 
 def _sides_of(kept: Picture | None, loop: int) -> dict[str, Any]:

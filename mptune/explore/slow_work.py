@@ -113,6 +113,7 @@ class SlowWork:
             self._published = {key: before}
             if still(now):
                 self._page.move.show(after, before)
+                self._page.settle()
                 self._page.moved.object = words.moves(after.words, before.words)
 
         self._moving = self._threads.submit(simulate)
