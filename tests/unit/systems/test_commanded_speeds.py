@@ -8,7 +8,7 @@ from mptune.params.load import load_study
 
 
 def test_speeds_alone_are_refused_before_anything_runs(study_file):
-    speed = '[{kind = "velocity", speed = "50 mm/s", duration = "1 s", ramp = "0.1 s", rest = "1 s"}]'
-    study = load_study(study_file, [f"manoeuvre={speed}"])
+    speed = 'kind = "velocity", speed = "50 mm/s", duration = "1 s", rest = "1 s"'
+    study = load_study(study_file, [f"manoeuvre=[{{{speed}}}]"])
     with pytest.raises(InputError, match="has no move to a place"):
         compare_systems(study)
