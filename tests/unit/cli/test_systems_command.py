@@ -21,6 +21,7 @@ SHORT = (
     ),
     "verification.repeats=2",
     "systems.repeats=2",
+    "systems.beside=[]",
     'verification.masses=["49 t"]',
     "systems.gain_margin=1",
 )
