@@ -1,8 +1,9 @@
-"""What the paper's machine decided and did before its sizes became data, kept in ``as_before.npz``.
+"""What the paper's machine did before its sizes became data: ``as_before.npz`` holds it.
 
-``python tests/as_before.py`` in the root of the repository made it, at the commit before the machine was
-made general (199ae8f), with numpy 2.4 on x86-64. Kept are the decisions at random states and a
-fifth of a second of the closed loop; every operation in floating point is to stay as it was.
+``python tests/as_before.py`` in the root of the repository made it, at the commit before the
+machine was made general (199ae8f), with numpy 2.4 on x86-64. Kept are the decisions at random
+states and a fifth of a second of the closed loop; every operation in floating point is to stay as
+it was.
 """
 
 from pathlib import Path

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from mptune.loops.family import derived_time_constants
@@ -54,9 +55,14 @@ def _sections(study: ResolvedStudy) -> Iterator[Block]:
                 Cell(study.study.source_of(f"{prefix}.{key}") or "this study", "small"),
             ]
             for key, unit, mark, meaning in part.quantities()
-            if getattr(part, key) is not None
+            if _is_given(getattr(part, key))
         ]
         yield from Tabular(name, columns, rows).titled()
+
+
+def _is_given(value: object) -> bool:
+    """Return whether a value says something: supplies have none of what no line needs."""
+    return value is not None and not (isinstance(value, float) and not math.isfinite(value))
 
 
 def ledger(_results: Results | None = None) -> Chapter:
