@@ -97,6 +97,7 @@ class Edges(Section):
 
 
 PAPER_LINES = 6
+_OF_CONVERTERS = ("converter_area", "converter_friction", "converter_travel")
 
 
 def edge_rule(lines: Sequence[SupplyLine], edges: Edges) -> EdgeRule:
@@ -172,8 +173,8 @@ def nominal_pressures(lines: Sequence[SupplyLine]) -> tuple[float, ...]:
 def supplies_of(lines: Sequence[SupplyLine], supplies: Supplies) -> Supplies:
     """Return ``[supplies]`` with what the lines say: their ends, and what there is none of.
 
-    Without an accumulator its volume is 0 and the highest line keeps its pressure; without
-    converters no end of a travel is met.
+    Without an accumulator its volume is 0 and the highest line keeps its pressure. What is met
+    nowhere then, like the end of a converter's travel, is infinite.
     """
     if not lines:
         return supplies
@@ -182,10 +183,10 @@ def supplies_of(lines: Sequence[SupplyLine], supplies: Supplies) -> Supplies:
     found = {"low_pressure": pressures[0], "high_pressure": high}
     if lines[-1].kind is not LineKind.ACCUMULATOR:
         found |= dict.fromkeys(("pump_on", "pump_off", "relief_pressure"), high)
-        found |= {"pump_flow": math.inf, "accumulator_exponent": 1.0}
+        found |= dict.fromkeys(("pump_flow", "accumulator_exponent"), math.inf)
         found |= {"accumulator_volume": 0.0, "accumulator_precharge": 0.0}
     if not any(line.kind is LineKind.CONVERTER for line in lines):
-        found |= {"converter_area": 0.0, "converter_friction": 0.0, "converter_travel": math.inf}
+        found |= dict.fromkeys(_OF_CONVERTERS, math.inf)
     return supplies.model_copy(update=found)
 
 
