@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from mptune.arrays import Complex, FloatArray, Real, kernel
-from mptune.certify.enclosure import DELAY, OMEGA, PHASE, RATIO, SIDES, TAU_A, TAU_B
+from mptune.certify.enclosure import DELAY, GAIN, OMEGA, PHASE, RATIO, SIDES, TAU_A, TAU_B
 from mptune.certify.form import COMPLIANCE, EQUATION_17, MIXTURE, Form
 from mptune.loops.broken import SAMPLED, loop_around, position_loop, velocity_loop
 from mptune.loops.position import position_error
@@ -24,14 +24,22 @@ _LOWEST = 1e-5  # rad/s: the limit of vanishing frequency is taken there
 _SHORTEST_STEP = 1e-7  # of a box's side
 _GAIN = 1e-11  # relative: less is taken for rounding
 _ROUNDS = 500
+_IMMOVABLE = 1e300  # kg
 
 
 @kernel
 def gain_at(form: Form, point: FloatArray) -> Complex:
     """Return the loop gain that a mixture of S and T is made of, at a point ``(SIDES,)``."""
+    return _gain_of(form, point, form.nominal.mass / point[RATIO])
+
+
+@kernel
+def _gain_of(form: Form, point: FloatArray, mass: float) -> Complex:
     s = complex(0.0, max(point[OMEGA], _LOWEST))
     plant = _plant(form, point)
-    turn = complex(math.cos(point[PHASE]), -math.sin(point[PHASE]))
+    plant = Plant(mass, plant.delay, plant.tau_a, plant.tau_b, plant.share_a)
+    gain = math.exp(point[GAIN])
+    turn = complex(gain * math.cos(point[PHASE]), -gain * math.sin(point[PHASE]))
     if form.loop == SAMPLED:
         count = coefficient_count(plant.delay, form.path, form.period)
         sampled = sampled_plant(plant, form.path, form.period, count)
@@ -87,7 +95,10 @@ def figure_at(form: Form, curve: FloatArray, point: FloatArray) -> Real:
         return abs((form.share_s + form.share_t * gain) / (1 + gain))
     if form.figure == COMPLIANCE:
         turn = omega * form.nominal.mass / form.gains.k_p_vel  # |P|
-        return point[RATIO] / (turn * turn * abs(1 + gain_at(form, point)))
+        soft = point[RATIO] / (turn * turn * abs(1 + gain_at(form, point)))
+        if form.path.estimator_mass > 0:  # what it hears of the force is L of an infinite mass
+            return soft * abs(1 + _gain_of(form, point, _IMMOVABLE))
+        return soft
     return _ratio(form, complex(0.0, omega), point) / allowed_at(curve, omega)
 
 

@@ -2,23 +2,25 @@
 
 F = |n|² − γ²|d|² = α|Y|² + 2 Re(βY) + δ, negative wherever the figure is below γ: no division, and
 a denominator that does not vanish is implied. The coordinates of a box are, in this order, ω
-[rad/s], μ = m_N/m, the delay d [s], τ_A and τ_B [s], and an extra phase φ [rad] that is zero but
-where a phase margin is asked for. With Ŷ = μH + E, H = Σ_k z_k G_F(jω_k) e^{−j(ω_k − ω)d}, Eq. 11
-as G_F = a/(1 + jωτ_A) + (1 − a)/(1 + jωτ_B) and a = A_A/(A_A + A_B), and E such a sum of its own
-where a state estimator hears the force, whose mass it does not know, Y = Ŷ e^{−j(ωd + φ)}: |Y|
-knows nothing of the main phase, which therefore stands with β alone. A compliance's numerator is
+[rad/s], μ = m_N/m, the delay d [s], τ_A and τ_B [s], an extra phase φ [rad] and the logarithm γ of
+an extra gain, both zero but where a phase or a gain margin is asked for. With Ŷ = μH + E,
+H = Σ_k z_k G_F(jω_k) e^{−j(ω_k − ω)d}, Eq. 11 as G_F = a/(1 + jωτ_A) + (1 − a)/(1 + jωτ_B) and
+a = A_A/(A_A + A_B), and E such a sum of its own where a state estimator hears the force, whose mass
+it does not know, Y = Ŷ e^{−j(ωd + φ)}: |Y|
+knows nothing of the main phase, which therefore stands with β alone. The gain multiplies Ŷ, whose
+derivative by γ is itself. A compliance's numerator is
 μn_0: its δ holds μ²|n_0|².
 """
 
 from __future__ import annotations
 
+import math
 from typing import NamedTuple
 
 from mptune.arrays import FloatArray, Real, kernel
 from mptune.certify.balls import ROUND, Dual, modulus, widened
 from mptune.certify.discs import (
     Disc,
-    along,
     disc_of,
     lag,
     lagging,
@@ -34,8 +36,6 @@ from mptune.certify.rows import (
     ALPHA_N,
     BETA_D,
     BETA_N,
-    D_0,
-    D_1,
     DELTA_D,
     DELTA_N,
     FIXED,
@@ -43,8 +43,8 @@ from mptune.certify.rows import (
     stored,
 )
 
-OMEGA, RATIO, DELAY, TAU_A, TAU_B, PHASE = 0, 1, 2, 3, 4, 5
-SIDES = 6
+OMEGA, RATIO, DELAY, TAU_A, TAU_B, PHASE, GAIN = 0, 1, 2, 3, 4, 5, 6
+SIDES = 7
 
 
 class Enclosed(NamedTuple):
@@ -132,12 +132,41 @@ def plant_over(
         multiple(found.by_tau_b, ratio, reach),
         found.whole,
     )
-    if not holds_force(row, terms):
-        return scaled
-    for k in range(terms):
-        one = _term(stored(row, terms + FIXED + k), shifts[k], share_a, centre, half)
-        scaled = _sum(scaled, _without_mass(one))
+    if holds_force(row, terms):
+        for k in range(terms):
+            one = _term(stored(row, terms + FIXED + k), shifts[k], share_a, centre, half)
+            scaled = _sum(scaled, _without_mass(one))
     return scaled
+
+
+@kernel
+def force_over(
+    row: FloatArray, shifts: FloatArray, share_a: float, centre: FloatArray, half: FloatArray
+) -> PlantDiscs:
+    """Return the sum of a row's terms that know nothing of the mass, as ``plant_over`` does."""
+    terms = len(shifts)
+    found = _without_mass(_term(stored(row, terms - 1), shifts[-1], share_a, centre, half))
+    for k in range(terms - 1):
+        one = _term(stored(row, k), shifts[k], share_a, centre, half)
+        found = _sum(found, _without_mass(one))
+    return found
+
+
+@kernel
+def _amplified(one: PlantDiscs, level: float, half: float) -> PlantDiscs:
+    """Return Ŷ and its derivatives times e^γ, for γ within ``half`` of a level."""
+    if level == 0 and half == 0:
+        return one
+    gain = math.exp(level)
+    reach = gain * (math.expm1(half) * (1 + 4 * ROUND) + 4 * ROUND)
+    return PlantDiscs(
+        multiple(one.whole, gain, reach),
+        multiple(one.by_omega, gain, reach),
+        multiple(one.by_delay, gain, reach),
+        multiple(one.by_tau_a, gain, reach),
+        multiple(one.by_tau_b, gain, reach),
+        multiple(one.by_ratio, gain, reach),
+    )
 
 
 @kernel
@@ -198,7 +227,7 @@ def enclose(
     Parameters
     ----------
     plant
-        Ŷ over the box.
+        Ŷ over the box, the extra gain left out.
     row, terms
         The figure's coefficients over the box's frequencies, and its number of shifts.
     num, den
@@ -218,13 +247,13 @@ def enclose(
     reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
     turn = turning_disc(omega * delay + centre[PHASE], widened(reach))
     beta, moving = product(disc_of(both), turn), product(slope_of(both), turn)
+    plant = _amplified(plant, centre[GAIN], half[GAIN])
     whole = plant.whole  # Ŷ
     size = modulus(whole.value)
     square = size * size
     square_error = (2 * size + whole.error) * whole.error + 4 * ROUND * square
     square_spread = (2 * size + whole.spread) * whole.spread + 4 * ROUND * square
-    turned = product(beta, whole)  # βY
-    level = alpha.value.real
+    turned, level = product(beta, whole), alpha.value.real  # βY
     force = Disc(  # half of what F's gradient by Y is
         complex(whole.value.real, -whole.value.imag) * level + beta.value,
         0.0,
@@ -235,6 +264,7 @@ def enclose(
     )
     ahead = twice_real(lagging(turned), 1.0, 0.0)
     slopes[PHASE], spreads[PHASE] = ahead
+    slopes[GAIN], spreads[GAIN] = twice_real(product(force, whole), 1.0, 0.0)
     slopes[RATIO], spreads[RATIO] = twice_real(product(force, plant.by_ratio), 1.0, 0.0)
     if power:
         top = stored(row, terms + DELTA_N)
@@ -271,46 +301,3 @@ def enclose(
         widened(error + 2 * turned.error + delta.error + rounding),
         widened(spread + 2 * turned.spread + delta.spread + rounding),
     )
-
-
-@kernel
-def clearance(
-    plant: PlantDiscs,
-    row: FloatArray,
-    terms: int,
-    centre: FloatArray,
-    half: FloatArray,
-) -> Real:
-    """Return what the denominator's modulus is at least over a box, or a number below zero.
-
-    With θ the argument of d at the centre, |d| ≥ Re(e^{−jθ}d), whose mean value form knows how
-    the denominator moves relative to where it stands: nothing but that part can bring it to zero.
-    """
-    omega, delay = centre[OMEGA], centre[DELAY]
-    first, second = stored(row, terms + D_0), stored(row, terms + D_1)
-    reach = abs(omega) * half[DELAY] + (delay + half[DELAY]) * half[OMEGA] + half[PHASE]
-    turn = turning_disc(omega * delay + centre[PHASE], widened(reach))
-    weight = product(disc_of(second), turn)  # d_1 e^{−j(ωd + φ)}
-    whole = plant.whole
-    ahead = lagging(product(weight, whole))
-    value = first.value + weight.value * whole.value
-    size = modulus(value)
-    if size == 0:
-        return -1.0
-    unit = complex(value.real / size, -value.imag / size)
-    moving = total(slope_of(first), product(product(slope_of(second), turn), whole))
-    by_omega = product(weight, plant.by_omega)
-    by_omega = total(total(by_omega, moving), multiple(ahead, delay, half[DELAY]))
-    by_delay = product(weight, plant.by_delay)
-    by_delay = total(by_delay, multiple(ahead, omega, half[OMEGA]))
-    by_tau_a = product(weight, plant.by_tau_a)
-    by_tau_b = product(weight, plant.by_tau_b)
-    least = size - first.error - weight.error * modulus(whole.value)
-    least -= whole.error * (modulus(weight.value) + weight.error)
-    least -= 8 * ROUND * (modulus(first.value) + modulus(weight.value) * modulus(whole.value))
-    least -= along(by_omega, unit) * half[OMEGA]
-    least -= along(product(weight, plant.by_ratio), unit) * half[RATIO]
-    least -= along(by_delay, unit) * half[DELAY]
-    least -= along(by_tau_a, unit) * half[TAU_A] + along(by_tau_b, unit) * half[TAU_B]
-    least -= along(ahead, unit) * half[PHASE]
-    return least - 8 * ROUND * size

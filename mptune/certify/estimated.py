@@ -51,6 +51,7 @@ class Responses(NamedTuple):
     speed_of_place: Dual  # v̂/x Δ/ŝ
     place_of_place: Dual  # x̂/x Δ
     below: Dual  # Δ
+    ahead: Dual  # m̂ v̂/F Δ/ŝ
 
 
 @kernel
@@ -77,6 +78,7 @@ def responses(path: MeasurementPath, omega: float, half: float, folded: int) -> 
         plus(scaled(slope, second), scaled(late, third)),
         plus(scaled(square, first), of_place),
         below,
+        ahead,
     )
 
 

@@ -108,15 +108,17 @@ def coefficients(
         open_loop = times(_integrated(form, omega, half), first)
         parts = _mixture(form, open_loop, constant(0.0), constant(1.0))
         if form.figure == COMPLIANCE:
-            parts = _Parts(_softened(form, omega, half), parts.n1, parts.d0, parts.d1)
+            soft = softened(form, omega, half)
+            if form.path.estimator_mass > 0:  # its numerator is that of ``softness``
+                soft = parts.d0
+            parts = _Parts(soft, parts.n1, parts.d0, parts.d1)
     elif form.path.estimator_mass > 0:
-        first, law = _shape(form, omega, half)
+        first, law = shape_of(form, omega, half)
         below = continuous_pair(form, len(shifts), first, law, omega, half, row)
         open_loop = times(times(_integrated(form, omega, half), first), below)
         parts = _mixture(form, open_loop, constant(0.0), constant(1.0))
         if form.figure == COMPLIANCE:
-            soft = times(_softened(form, omega, half), below)
-            parts = _Parts(soft, parts.n1, parts.d0, parts.d1)
+            parts = _Parts(parts.d0, parts.n1, parts.d0, parts.d1)  # see ``softness``
     else:
         store(row, len(shifts) - 1, constant(1.0))
         parts = _continuous(form, omega, half)
@@ -156,7 +158,7 @@ def _mixture(form: Form, s0: Dual, s1: Dual, t1: Dual) -> _Parts:
 
 
 @kernel
-def _shape(form: Form, omega: float, half: float) -> tuple[Dual, Dual]:
+def shape_of(form: Form, omega: float, half: float) -> tuple[Dual, Dual]:
     """Return s²R and Q, over what both share: s where K_I = 0, s²R without any gain."""
     if form.gains.k_i_pos == 0 and form.gains.k_p_pos == 0:
         return constant(1.0), constant(0.0)
@@ -175,7 +177,7 @@ def _shape(form: Form, omega: float, half: float) -> tuple[Dual, Dual]:
 
 
 @kernel
-def _softened(form: Form, omega: float, half: float) -> Dual:
+def softened(form: Form, omega: float, half: float) -> Dual:
     """Return s²R P/P², the path left out, over what s²R and Q share; under Tustin as it runs."""
     rate, tau = form.gains.k_p_vel / form.nominal.mass, form.gains.tau
     if form.loop == SAMPLED:
@@ -192,7 +194,7 @@ def _softened(form: Form, omega: float, half: float) -> Dual:
 @kernel
 def _continuous(form: Form, omega: float, half: float) -> _Parts:
     """Return the parts of every figure but those of the loop as it runs."""
-    first, law = _shape(form, omega, half)
+    first, law = shape_of(form, omega, half)
     plant = _integrated(form, omega, half)  # P
     speed = constant(1.0)
     if form.path.sample_time > 0:
@@ -209,7 +211,7 @@ def _continuous(form: Form, omega: float, half: float) -> _Parts:
     if form.figure in (MIXTURE, COMPLIANCE):
         parts = _mixture(form, s0, constant(0.0), plus(s1, law))
         if form.figure == COMPLIANCE:
-            soft = _softened(form, omega, half)
+            soft = softened(form, omega, half)
             if form.path.sample_time > 0:
                 lag = plus(constant(1.0), scaled(turning(omega, half, form.path.sample_time),
                                                  -form.path.filter_pole))  # fmt: skip

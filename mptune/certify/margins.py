@@ -1,7 +1,7 @@
 """Gain, phase and delay margin of the loop at F_ref over a whole box, each in a bracket.
 
 A gain margin is a mass divided by the factor, as the loop gain is K_P,vel/m times a rest: the box
-is extended by lighter plants; around a state estimator it is not, see ``gain_steps``. A delay
+is extended by lighter plants; around a state estimator it is not, see ``louder``. A delay
 margin is more delay in the box. A phase margin is one side of the box more, the extra phase φ
 within ±φ_m: no plant's loop, turned by any of these, meets −1.
 """
@@ -19,7 +19,7 @@ from mptune.certify.bracket import bracket
 from mptune.certify.climb import gain_at
 from mptune.certify.enclosure import OMEGA, PHASE, SIDES
 from mptune.certify.form import curve_of, form_of
-from mptune.certify.gain_steps import gain_margin
+from mptune.certify.louder import gain_margin
 from mptune.certify.problem import edges_of
 from mptune.certify.proof import Proof
 from mptune.certify.result import Bracket, Stability

@@ -182,13 +182,16 @@ class BoxedLoop:
         return box.delay[0] >= self.period / 2 and self.filters.sample_time > 0
 
 
-def edges_of(problem: BoxedLoop, omega: Interval, phase: float = 0.0) -> FloatArray:
-    """Return a box of coordinates as kernels take it, ``(2, 6)``: ω, m_N/m, d, τ_A, τ_B, φ.
+def edges_of(
+    problem: BoxedLoop, omega: Interval, phase: float = 0.0, gain: float = 1.0
+) -> FloatArray:
+    """Return a box of coordinates as kernels take it, ``(2, 7)``: ω, m_N/m, d, τ_A, τ_B, φ, γ.
 
-    m_N/m is rounded outwards.
+    m_N/m is rounded outwards. The phase may be as much to either side, the gain from 1 to its own.
     """
     box = problem.box
     mass = box.nominal.mass
     ratios = (mass / box.mass[1] * (1 - 1e-15), mass / box.mass[0] * (1 + 1e-15))
-    sides = (omega, ratios, box.delay, box.tau_a, box.tau_b, (-phase, phase))
+    louder = (0.0, math.log(gain) * (1 + 1e-15))
+    sides = (omega, ratios, box.delay, box.tau_a, box.tau_b, (-phase, phase), louder)
     return np.ascontiguousarray(np.array(sides, np.float64).T)

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.certify.enclosure import OMEGA, RATIO, SIDES
+from mptune.certify.enclosure import GAIN, OMEGA, RATIO, SIDES
 from mptune.certify.folded import NOTHING, LeftOut
 from mptune.certify.form import COMPLIANCE
 from mptune.certify.sampled import left_out, offset_of, remainder, shifts_of, truncated_bound
@@ -38,11 +39,13 @@ def cover(edges: FloatArray, curve: FloatArray, per_octave: int = 1) -> FloatArr
     return parts
 
 
-def _left_out(form: Form, ratio: float, terms: int, end: float) -> tuple[float, LeftOut]:
+def _left_out(
+    form: Form, ratio: float, terms: int, end: float, louder: float
+) -> tuple[float, LeftOut]:
     """Return what is left out up to a frequency, as a number or by the plants' lags."""
     if form.path.estimator_mass > 0:
         return 0.0, left_out(form, ratio, terms, end)
-    return remainder(form, ratio, terms, end), NOTHING
+    return louder * remainder(form, ratio, terms, end), NOTHING
 
 
 class _Part:
@@ -95,11 +98,12 @@ class Proof:
             self._shifts = shifts_of(form, terms)
             ratio = float(edges[1, RATIO])
             ends = [float(box[1, OMEGA]) for box in boxes]
+            louder = math.exp(float(edges[1, GAIN]))  # of what is left out as a number
             time = form.nominal.mass / form.gains.k_p_vel
             self._parts = [
                 _Part(
                     boxes[i : i + 1],
-                    *_left_out(form, ratio, terms, ends[i]),
+                    *_left_out(form, ratio, terms, ends[i], louder),
                     float(edges[0, RATIO]) / (ends[i] * time) ** 2,  # the least μ/|P|²
                 )
                 for i in range(len(ends))

@@ -11,14 +11,17 @@ bound holds for a higher one.
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mptune.arrays import FloatArray, kernel
 from mptune.certify.balls import ROUND
+from mptune.certify.clearance import clearance
 from mptune.certify.climb import figure_at
 from mptune.certify.enclosure import (
+    GAIN,
     OMEGA,
     RATIO,
     SIDES,
@@ -26,13 +29,14 @@ from mptune.certify.enclosure import (
     TAU_B,
     Enclosed,
     PlantDiscs,
-    clearance,
     enclose,
+    force_over,
     plant_over,
 )
 from mptune.certify.figures import coefficients
 from mptune.certify.form import COMPLIANCE
 from mptune.certify.rows import DELTA_N, row_length, stored
+from mptune.certify.softness import enclose_softness, softness
 
 if TYPE_CHECKING:
     from mptune.certify.form import Form
@@ -42,6 +46,7 @@ _SMALLEST = 1e-13  # half a side over its place, below which it is not split any
 _TINY = 1e-25  # and in itself, in SI
 _CARE = 1 + 1e-14
 _FOLDED_CARE = 1 + 1e-9
+_NOTHING_PROVED = 1e30  # of L, left out
 _FAR = 1e-6  # weight of n over that of d, below which only zeros of d are asked for
 
 
@@ -62,7 +67,7 @@ class Rest(NamedTuple):
     rate: float  # s; 0 where nothing depends on the box
     offset: float  # c, of ``mptune.certify.sampled``
     sought: float  # the bound that is to be proved; 0 where only zeros of d are asked for
-    time: float  # m_N/K_P,vel of a compliance, whose weight is μ/|P|² [s]; 0 of other figures
+    time: float  # m_N/K_P,vel of a compliance [s]; 0 of other figures
 
 
 NO_REST = Rest(0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
@@ -101,12 +106,14 @@ def search(
     point
         ``(SIDES,)``, filled: where the figure is ABOVE, or where the search ended.
     """
-    terms, power = len(shifts), 2 if form.figure == COMPLIANCE else 0
+    terms = len(shifts)
+    stiffened = form.figure == COMPLIANCE and form.path.estimator_mass > 0
     # A box at place p uses the coefficients in a slot ≤ p, so that the last one may fill its own.
     slots = np.empty(len(lows), np.int64)
     for i in range(count):
         slots[i] = -1
     rows = np.empty((len(lows), row_length(terms, form.path.estimator_mass)))
+    softnesses = np.empty((len(lows) if stiffened else 1, row_length(terms, 0.0)))
     half, slopes, spreads = np.empty(SIDES), np.empty(SIDES), np.empty(SIDES)
     centre = point
     boxes = 0
@@ -120,16 +127,14 @@ def search(
         if slots[last] < 0:
             slots[last] = last
             coefficients(form, shifts, curve, centre[OMEGA], half[OMEGA], rows[last])
+            if stiffened:
+                softness(form, shifts, centre[OMEGA], half[OMEGA], softnesses[last])
         row = rows[slots[last]]
-        plant = plant_over(row, shifts, form.share_a, centre, half)
-        top, bottom = num, den
-        if rest.rate > 0:
-            top, bottom = _weights(rest, form.share_a, low, high)
-        f = enclose(plant, row, terms, top, bottom, centre, half, slopes, spreads, power)
-        weight = (centre[RATIO] + half[RATIO]) ** power
-        if _highest(f, slopes, spreads, half) < 0 or _clear(
-            plant, row, terms, weight * top, bottom, centre, half
-        ):
+        own = softnesses[slots[last] if stiffened else 0]
+        f, clear = _look(
+            form, shifts, row, own, num, den, low, high, centre, half, slopes, spreads, rest
+        )
+        if clear or _highest(f, slopes, spreads, half) < 0:
             slots[last] = -1
             count -= 1
             continue
@@ -149,28 +154,66 @@ def search(
 
 
 @kernel
+def _look(
+    form: Form,
+    shifts: FloatArray,
+    row: FloatArray,
+    own: FloatArray,
+    num: float,
+    den: float,
+    low: FloatArray,
+    high: FloatArray,
+    centre: FloatArray,
+    half: FloatArray,
+    slopes: FloatArray,
+    spreads: FloatArray,
+    rest: Rest,
+) -> tuple[Enclosed, bool]:
+    """Enclose F over a box, and say whether the denominator alone settles it."""
+    terms, power = len(shifts), 2 if form.figure == COMPLIANCE else 0
+    plant = plant_over(row, shifts, form.share_a, centre, half)
+    if power > 0 and form.path.estimator_mass > 0:
+        force = force_over(own, shifts, form.share_a, centre, half)
+        left = _left_over(rest, form.share_a, low, high)
+        return enclose_softness(
+            plant, force, row, own, terms, left, math.sqrt(den), centre, half, slopes, spreads
+        ), False  # fmt: skip
+    top, bottom = num, den
+    if rest.rate > 0:
+        top, bottom = _weights(rest, form.share_a, low, high)
+    f = enclose(plant, row, terms, top, bottom, centre, half, slopes, spreads, power)
+    weight = (centre[RATIO] + half[RATIO]) ** power
+    return f, _clear(plant, row, terms, weight * top, bottom, centre, half)
+
+
+@kernel
 def _weights(rest: Rest, share_a: float, low: FloatArray, high: FloatArray) -> tuple[float, float]:
     """Return the weights of n and d with what the loop leaves out over a box counted in.
 
     With δ left out, X = x S + y T is below γ if |X_t| + δ(|y| + γ)|S_t| ≤ γ for the truncated loop,
-    and |S_t| ≤ |y| + |X_t| in all three mixtures. A compliance is below γ if that of the truncated
-    loop is below γ/(1 + δγ/w), w being the least weight of the box (``mptune.certify.sampled``).
+    and |S_t| ≤ |y| + |X_t| in all three mixtures.
     """
-    shortest = min(low[TAU_A], low[TAU_B])
-    if shortest <= 0:
-        return 1.0, 0.0  # nothing can be proved
-    fall = _FOLDED_CARE * (share_a / low[TAU_A] + (1 - share_a) / low[TAU_B])
-    left = rest.fixed + min(rest.near, fall * rest.near_rate) + fall * rest.rate
+    left = _left_over(rest, share_a, low, high)
+    if left >= _NOTHING_PROVED:
+        return 1.0, 0.0
     if rest.sought == 0:
         return left * left * _CARE, 1.0
-    if rest.time > 0:
-        turn = high[OMEGA] * rest.time  # |P|
-        weight = low[RATIO] / (turn * turn)
-        sought = rest.sought / (1 + _FOLDED_CARE * left * rest.sought / weight)
-        return 1.0, sought * sought
     reach = _FOLDED_CARE * left * (rest.offset + rest.sought)
     sought = (rest.sought - reach * rest.offset) / (1 + reach)
     return 1.0, sought * sought if sought > 0 else 0.0
+
+
+@kernel
+def _left_over(rest: Rest, share_a: float, low: FloatArray, high: FloatArray) -> float:
+    """Return what is left out of L over a box at most."""
+    if rest.rate == 0:
+        return 0.0
+    shortest = min(low[TAU_A], low[TAU_B])
+    if shortest <= 0:
+        return _NOTHING_PROVED
+    fall = _FOLDED_CARE * (share_a / low[TAU_A] + (1 - share_a) / low[TAU_B])
+    left: float = rest.fixed + min(rest.near, fall * rest.near_rate) + fall * rest.rate
+    return left * math.exp(high[GAIN])
 
 
 @kernel
@@ -207,7 +250,7 @@ def _clear(
     half: FloatArray,
 ) -> bool:
     """Return whether the denominator stays clear of zero, if that is what is asked."""
-    if num > _FAR * den:
+    if num > _FAR * den and half[GAIN] == 0:
         return False
     least = clearance(plant, row, terms, centre, half)
     top = stored(row, terms + DELTA_N)  # |n|², n_1 = 0
@@ -252,6 +295,8 @@ def _eased(side: int, slope: float, rest: Rest) -> bool:
         return False
     if side in (TAU_A, TAU_B) or (side == RATIO and rest.time > 0):
         return slope > 0
+    if side == GAIN:
+        return slope < 0
     return side == OMEGA and rest.time > 0 and slope < 0
 
 
@@ -260,6 +305,8 @@ def _widest(centre: FloatArray, half: FloatArray, slopes: FloatArray, spreads: F
     """Return the side over which F may move most, −1 where all are too short to be split."""
     side, most = -1, 0.0
     for i in range(SIDES):
+        if i == GAIN and side >= 0:
+            continue  # what it does is known for its whole length
         reach = (abs(slopes[i]) + spreads[i]) * half[i]
         if reach > most and half[i] > _SMALLEST * abs(centre[i]) + _TINY:
             side, most = i, reach

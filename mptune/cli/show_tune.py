@@ -34,6 +34,7 @@ def tuned(result: TuneResult) -> None:
         words = "Rounds [objective over the study's own, worst quotient of the family]"
         texts.append(f"{words}: {rounds}")
     opening(texts, good=result.blocking is None)
-    ahead = result.feedforward, result.sweep.study.study.feedforward
-    show(gains((result.gains, ahead[0]), (result.before, ahead[1])))
+    found = result.gains, result.feedforward, result.estimator
+    own = result.sweep.study.study.feedforward
+    show(gains(found, (result.before, own, result.estimator_before)))
     sweep(result.sweep)

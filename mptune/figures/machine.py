@@ -13,6 +13,7 @@ from mptune.sim import closed_loop as loop
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from mptune.params.controller import Feedforward
     from mptune.sim.record import RunRecord
     from mptune.verify.result import CaseResult
 
@@ -20,15 +21,26 @@ _LOOKS = (("0.0", "-"), ("0.25", "--"), ("0.4", "-."), ("0.5", ":"))
 _DRAWN = 2000  # points per curve
 
 
-def machine_traces(case: CaseResult) -> Figure:
-    """Draw position, error, velocity, pressures, force, its error, valve states and converters."""
+def machine_traces(case: CaseResult, feedforward: Feedforward | None = None) -> Figure:
+    """Draw position, error, velocity, pressures, force, its error, valve states and converters.
+
+    Parameters
+    ----------
+    case
+        The machine's verification.
+    feedforward
+        What was fed forward. Of a mass that is learnt on line the estimate is drawn too, beside the
+        machine's own, which a boom's table multiplies.
+    """
+    learns = feedforward is not None and feedforward.adaptive_mass
     record = case.record
     few = slice(None, None, max(len(case.traces) // _DRAWN, 1))
     time, trace = record.time[few], case.traces[few]
-    converters = 0 if record.converters is None else record.converters.shape[1]
+    converters = trace.shape[1] - loop.CONVERTER_1
     with style():
         figure = new_figure(9.3)
-        axes = figure.subplots(9 if converters else 8, 1, sharex=True)
+        count = 8 + (converters > 0) + learns
+        axes = figure.subplots(count, 1, sharex=True)
         _motion(axes[:3], record, few)
         _forces(axes[3:6], record, few)
         for one, column, side in ((axes[6], loop.STATE_A, "A"), (axes[7], loop.STATE_B, "B")):
@@ -42,6 +54,11 @@ def machine_traces(case: CaseResult) -> Figure:
             axes[8].plot(time, place, label=f"converter {i + 1}", **look)
         if converters:
             axes[8].set_ylabel("Converter\n[mm]")
+        if learns:
+            axes[-1].plot(time, trace[:, loop.FED_MASS] / 1e3, **NOMINAL)
+            axes[-1].axhline(case.mass_kg / 1e3, **REFERENCE)
+            axes[-1].margins(y=0.2)
+            axes[-1].set_ylabel("Learnt\nmass [t]")
         axes[-1].set(xlabel="Time [s]", xlim=(0, time[-1]))
         axes[0].set_title(
             f"{case.mass_kg / 1e3:g} t, oil {case.oil_bulk_modulus_pa / 1e6:g} MPa, "

@@ -77,6 +77,7 @@ def gains_file(
         closed_loop=closed_loop,
         gains=swept.gains,
         feedforward=feedforward,
+        estimator=swept.study.study.estimator,
         figures={"margins": worst, "closed_loop": index},
         judged_on=judged_on(swept.study),
     )

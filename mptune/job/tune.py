@@ -81,7 +81,7 @@ def tune_study(
     folder = make_folder(Path(out) / study.name)
     progress("tune", 0.0)
     tuned = tune(study, progress, structure=structure)
-    moves = linear_moves(study, tuned.gains, tuned.feedforward)
+    moves = linear_moves(tuned.sweep.study, tuned.gains, tuned.feedforward)
     judgement = judge_sweep(tuned.sweep)
     file = gains_file(tuned.sweep, tuned.feedforward, moves, None, judgement)
     files = [write_gains(folder / "gains.toml", file)]

@@ -20,11 +20,13 @@ from mptune.loops.sampled import (
     sampled_plant,
 )
 from mptune.loops.velocity import plant_at
+from mptune.params.packed import Plant
 
 if TYPE_CHECKING:
     from mptune.params.packed import LoopGains, MeasurementPath, Plants
 
 _POINTS = 220  # frequencies on a logarithmic scale
+_IMMOVABLE = 1e300  # kg: a plant of which nothing is heard but the force
 _LINEAR = 60  # and on a linear one: the highest peaks lie near half the sampling rate
 
 
@@ -43,7 +45,21 @@ class RunningFamily(NamedTuple):
     path: FloatArray  # (D,) denominator that the measurement path adds
     position_at: ComplexArray  # (N, F) X
     velocity_at: ComplexArray  # (N, F) V
+    by_force: FloatArray  # (2, N, M) what of X and V is heard of the force, not of the place
+    force_at: ComplexArray  # (2, N, F) the same at the frequencies; zero without an estimator
     period: float  # s, T_S
+
+
+@kernel
+def force_part(family: RunningFamily, n: int) -> SampledPlant:
+    """Return what one plant's controller hears of the force alone."""
+    return SampledPlant(
+        family.by_force[0, n],
+        family.by_force[1, n],
+        family.factor_a[n],
+        family.factor_b[n],
+        family.path,
+    )
 
 
 @kernel
@@ -75,12 +91,17 @@ def running_family(
 @kernel
 def _sampled(
     omega: FloatArray, plants: Plants, path: MeasurementPath, period: float, count: int
-) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, ComplexArray, ComplexArray]:
+) -> tuple[
+    FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, ComplexArray, ComplexArray,
+    FloatArray, ComplexArray,
+]:  # fmt: skip
     number = len(plants.mass)
     position, velocity = np.empty((number, count)), np.empty((number, count))
     factor_a, factor_b, added = np.empty(number), np.empty(number), np.ones(1)
     position_at = np.empty((number, len(omega)), np.complex128)
     velocity_at = np.empty((number, len(omega)), np.complex128)
+    by_force = np.zeros((2, number, count))
+    force_at = np.zeros((2, number, len(omega)), np.complex128)
     for n in range(number):
         one = sampled_plant(plant_at(plants, n), path, period, count)
         position[n], velocity[n] = one.position, one.velocity
@@ -88,7 +109,17 @@ def _sampled(
         for f in range(len(omega)):
             x, v = measured_parts(1j * omega[f], one, period)
             position_at[n, f], velocity_at[n, f] = x, v
-    return position, velocity, factor_a, factor_b, added, position_at, velocity_at
+        if path.estimator_mass > 0:
+            plant = plant_at(plants, n)
+            still = Plant(_IMMOVABLE, plant.delay, plant.tau_a, plant.tau_b, plant.share_a)
+            one = sampled_plant(still, path, period, count)
+            by_force[0, n], by_force[1, n] = one.position, one.velocity
+            for f in range(len(omega)):
+                x, v = measured_parts(1j * omega[f], one, period)
+                force_at[0, n, f], force_at[1, n, f] = x, v
+    return (
+        position, velocity, factor_a, factor_b, added, position_at, velocity_at, by_force, force_at,
+    )  # fmt: skip
 
 
 @kernel

@@ -21,6 +21,7 @@ from pydantic import Field, ValidationError
 from mptune.errors import Fault, InputError
 from mptune.files import read_text, write_whole
 from mptune.params.controller import Feedforward, Gains
+from mptune.params.estimator import Estimator
 from mptune.params.format import FORMAT_KEY, GAINS_FORMAT
 from mptune.params.headline import Headline
 from mptune.params.judged_on import Difference, differences, refuse_other_controller
@@ -59,6 +60,9 @@ class GainsFile(Summarised, Section):
     closed_loop: Verdict = Field(description="verdict on the closed loop in time")
     gains: Gains
     feedforward: Feedforward
+    estimator: Estimator | None = Field(
+        None, description="what measures; None in files of before there was a choice"
+    )
     figures: dict[str, dict[str, Any]]
     judged_on: dict[str, Any] = Field(
         default_factory=dict, description="the SI model that the verdicts hold for, by dotted key"
@@ -77,8 +81,9 @@ class GainsFile(Summarised, Section):
 
     @property
     def chosen(self) -> dict[str, Section]:
-        """The sections that a tuner may choose, by name."""
-        return {name: getattr(self, name) for name in CHOSEN}
+        """The sections that a tuner may choose, by name; those that the file holds."""
+        sections = {name: getattr(self, name) for name in CHOSEN}
+        return {name: section for name, section in sections.items() if section is not None}
 
     def put_over(self, study: ResolvedStudy) -> ResolvedStudy:
         """Return a study with what this file says in the place of its own."""
@@ -86,7 +91,7 @@ class GainsFile(Summarised, Section):
 
     def content_hash(self) -> str:
         """Return the hash of all that the file says; it stands in the file as well."""
-        return _hash(self.model_dump())
+        return _hash(self.model_dump(exclude_none=True))
 
 
 def _hash(values: dict[str, Any]) -> str:
@@ -118,19 +123,21 @@ def write_gains(path: str | Path, gains: GainsFile) -> Path:
     document.add(tomlkit.comment("Gains in SI units, written by mptune. Do not edit: the margins"))
     document.add(tomlkit.comment("below hold for exactly these numbers."))
     document.add(FORMAT_KEY, GAINS_FORMAT.newest)
-    values = gains.model_dump() | {"content_hash": gains.content_hash()}
+    values = gains.model_dump(exclude_none=True) | {"content_hash": gains.content_hash()}
     for key, value in values.items():
         if not isinstance(value, dict):
             document.add(key, str(value))  # a verdict is a word of its own kind
     for name, section in gains.chosen.items():
         table = tomlkit.table()
         for key, unit, symbol, meaning in section.quantities():
+            if getattr(section, key) is None:
+                continue
             item = tomlkit.item(getattr(section, key))
             item.comment(f"{unit if unit != '1' else '-'}, {symbol}, {meaning}")
             table.add(key, item)
         for key in type(section).model_fields:
-            if key not in table:
-                table.add(key, getattr(section, key))  # a switch
+            if key not in table and getattr(section, key) is not None:
+                table.add(key, getattr(section, key))  # a switch, or a word
         document.add(name, table)
     for key in ("figures", "judged_on"):
         document.add(key, values[key])
@@ -225,14 +232,21 @@ def accept_margins(path: str | Path, gains: GainsFile, *, force: bool = False) -
         raise InputError(path, fault)
 
 
-def accepted_gains(path: str | Path, study_hash: str, *, force: bool = False) -> GainsFile:
-    """Read a gains file as a controller does: of this model, with satisfied margins unless told.
+def accepted_gains(
+    study: ResolvedStudy, path: str | Path, *, force: bool = False
+) -> tuple[GainsFile, tuple[Difference, ...]]:
+    """Read a gains file as a controller does: with satisfied margins unless told.
+
+    Returns
+    -------
+    tuple
+        The file, and what differs from the model that it was made for.
 
     Raises
     ------
     InputError
-        As ``read_gains``, and where the margins are not satisfied and ``force`` is False.
+        As ``gains_for``, and where the margins are not satisfied and ``force`` is False.
     """
-    gains = read_gains(path, study_hash)
+    gains, differs = gains_for(study, path)
     accept_margins(path, gains, force=force)
-    return gains
+    return gains, differs

@@ -22,7 +22,8 @@ if TYPE_CHECKING:
 
     from mptune.params.study import ResolvedStudy
 
-_CONTROLLER, _SENSOR = "controller.", "_noise"  # sensor noise is no part of the controller
+_CONTROLLER = ("controller.", "estimator.")
+_SENSOR = "_noise"  # sensor noise is no part of the controller
 _FEW = 8  # values of a list that are kept; of longer ones their hash
 
 

@@ -81,6 +81,9 @@ class Requirements(Section):
     noise_gain: float | None = quantity(
         "N/m", "N", "largest noise gain from position to F_ref", None, above=0
     )
+    noise_force: float | None = quantity(
+        "N", "N_F", "largest rms of F_ref that all sensors' noise makes", None, above=0
+    )
     performance_index: float | None = quantity(
         "s", "i", "largest performance index, simulated machine", None, above=0
     )
@@ -129,8 +132,14 @@ def _checked_ratio(value: Any) -> float:
 
 
 Kind = Literal["tracking", "disturbance", "load-step", "bandwidth", "robustness"]
-Turned = Literal["acceleration_mass", "reference_lag", "velocity_reference_lag"]
-"""What the tuner may turn beside the gains."""
+Turned = Literal[
+    "acceleration_mass", "preview", "reference_lag", "velocity_reference_lag",
+    "estimator_bandwidth", "estimator_mass",
+]  # fmt: skip
+"""What the tuner may turn beside the gains.
+
+Friction is not among it: the linear loop has none, and could not tell what to feed forward.
+"""
 
 
 class Objective(Section):
@@ -139,6 +148,11 @@ class Objective(Section):
     kind: Kind | None = Field(None, description="the objective")
     tracking_loop: Literal["continuous", "sampled"] = Field(
         "continuous", description="loop on which tracking is judged: the paper's, or as it runs"
+    )
+    tracking_plants: Literal["family", "verification"] = Field(
+        "family",
+        description="machines on which tracking is judged: the family's, or those of "
+        "[verification], whose oils give τ_A and τ_B; the latter on the sampled loop",
     )
     free: tuple[Turned, ...] = Field((), description="what the tuner may turn beside the gains")
     free_feedforward: tuple[Turned, ...] = Field((), description="an older name of free")
@@ -181,6 +195,11 @@ class Objective(Section):
             refuse(
                 "frees feed-forward that only the sampled loop, with its filters, can judge",
                 'write tracking_loop = "sampled"',
+            )
+        if self.tracking_plants == "verification" and self.tracking_loop != "sampled":
+            refuse(
+                "judges tracking on the machines of [verification], which run sampled",
+                'write tracking_loop = "sampled", or tracking_plants = "family"',
             )
         if self.then and self.kind is None:
             refuse("has both weights and an order", "write kind and then, or weights")

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mptune.params.valve_states import EdgeRule
-CHOSEN = ("gains", "feedforward")
+CHOSEN = ("gains", "feedforward", "estimator")
 """Sections that a tuner may choose: they stand in gains files and outside the model's hash."""
 
 # What the paper's machine has none of: left out of the hash where it says nothing else.
@@ -116,6 +116,16 @@ class Study(Summarised, Section):
                 'has model.measurement_path = "filters" with a state estimator, around which no '
                 "velocity loop separates",
                 'set model.measurement_path = "none"; requirements then rest on F_ref',
+            )
+        return self
+
+    @model_validator(mode="after")
+    def _an_estimator_to_turn(self) -> Self:
+        turned = [one for one in self.objective.turned if one.startswith("estimator_")]
+        if turned and self.estimator.kind == "filters":
+            refuse(
+                f"has {turned[0]} in objective.free, but no state estimator",
+                'set estimator.kind = "state", or leave it out',
             )
         return self
 
@@ -228,6 +238,8 @@ class ResolvedStudy(Summarised, Section):
             place = values[section] if section else values
             if place[key] == plain:
                 del place[key]
+        if self.study.estimator.kind != "filters":  # which is no tuner's choice
+            values["estimator"] = {"kind": self.study.estimator.kind}
         unnamed = {"measured": {"__all__": {"name"}}}  # a file's content counts, not its name
         box = self.uncertainty.model_dump(exclude=unnamed)
         if self.uncertainty.explicit_delay == self.uncertainty.lumped_delay:

@@ -1,7 +1,9 @@
 """Margins of the loop as it runs for a search: signed, quick, of the plants that it asks.
 
 What ``mptune.robust.margins`` finds for a verdict is found here from responses that the gains leave
-alone. Margins carry the sign of stability and so pass smoothly through zero where a loop becomes
+alone. What a load does to the position is |1 + L_F||S|/(mω²), L_F being the part of the loop gain
+that the estimator hears of the force, which knows nothing of a load; without one there is none.
+Margins carry the sign of stability and so pass smoothly through zero where a loop becomes
 unstable. Peaks are refined by parabolas and crossings by the secant method: to about 1e-7 of a
 figure whose peak the grid sees; a narrower one can be missed, which is optimistic.
 """
@@ -13,7 +15,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import Complex, ComplexArray, FloatArray, Real, kernel
-from mptune.loops.running import running_family, runs_stable, sampled_at
+from mptune.loops.running import force_part, running_family, runs_stable, sampled_at
 from mptune.loops.sampled import sampled_loop
 from mptune.signals.tustin import discrete_response, discretise
 
@@ -38,7 +40,7 @@ class RunningFigures(NamedTuple):
     sensitivity_frequency: FloatArray
     disk_margin: FloatArray  # α; −α where the loop is unstable
     disk_frequency: FloatArray
-    peak_compliance: FloatArray  # m/N, largest |S|/(mω²)
+    peak_compliance: FloatArray  # m/N, largest |1 + L_F||S|/(mω²)
     compliance_frequency: FloatArray
     stable: FloatArray  # 1 or 0
     gain_margin: FloatArray  # least factor above 1; largest below 1 where unstable
@@ -89,11 +91,12 @@ def _figures(family: RunningFamily, gains: LoopGains) -> FloatArray:
         for f in range(points):
             heard = family.velocity_at[n, f] + shape[f] * family.position_at[n, f]
             loop[f] = gains.k_p_vel * heard
+            force = family.force_at[1, n, f] + shape[f] * family.force_at[0, n, f]
             for kind in range(3):
-                size[kind, f] = _size(kind, loop[f], omega[f], mass)
-        plant = sampled_at(family, n)
+                size[kind, f] = _size(kind, loop[f], gains.k_p_vel * force, omega[f], mass)
+        plant, by_force = sampled_at(family, n), force_part(family, n)
         for kind in range(3):
-            peak, at = _peak(kind, omega, size[kind], mass, plant, gains, period)
+            peak, at = _peak(kind, omega, size[kind], mass, plant, by_force, gains, period)
             table[n, 2 * kind], table[n, 2 * kind + 1] = peak, at
         stable = runs_stable(family, n, gains)
         table[n, _STABLE] = 1.0 if stable else 0.0
@@ -103,12 +106,12 @@ def _figures(family: RunningFamily, gains: LoopGains) -> FloatArray:
 
 
 @kernel
-def _size(kind: int, gain: Complex, omega: float, mass: float) -> Real:
-    """Return |S|, |S − T|/2 or |S|/(mω²) of a loop gain."""
+def _size(kind: int, gain: Complex, force: Complex, omega: float, mass: float) -> Real:
+    """Return |S|, |S − T|/2 or |1 + L_F||S|/(mω²) of a loop gain, and its part L_F."""
     if kind == _DISK:
         return 0.5 * abs((1 - gain) / (1 + gain))
     size = 1 / abs(1 + gain)
-    return size / (mass * omega * omega) if kind == _COMPLIANCE else size
+    return abs(1 + force) * size / (mass * omega * omega) if kind == _COMPLIANCE else size
 
 
 @kernel
@@ -118,6 +121,7 @@ def _peak(
     size: FloatArray,
     mass: float,
     plant: SampledPlant,
+    by_force: SampledPlant,
     gains: LoopGains,
     period: float,
 ) -> tuple[float, float]:
@@ -133,7 +137,11 @@ def _peak(
         y = (-(size[f - 1] ** -2), -(size[f] ** -2), -(size[f + 1] ** -2))  # nearly a parabola
         for _ in range(_PARABOLAS):
             place = _vertex(x, y)
-            value = _size(kind, sampled_loop(1j * place, plant, gains, period), place, mass)
+            gain = sampled_loop(1j * place, plant, gains, period)
+            force = 0j * gain
+            if kind == _COMPLIANCE:
+                force = sampled_loop(1j * place, by_force, gains, period)
+            value = _size(kind, gain, force, place, mass)
             if value > height:
                 height, at = value, place
             x, y = _narrowed(x, y, place, -(value**-2))

@@ -73,12 +73,12 @@ def sweep(
     by_path = {family.path: family for family in families}
     true, of_equations = by_path[model.judged_path], by_path[model.path_name]
     sampled = as_sampled(model, packed, omega)
-    noise, study_noise = noise_gain(packed, model.filters), model.study.study.controller
+    noises = noises_of(model, packed)
     proofs = certify(model, packed)
     premises = _premises(model, packed, of_equations, proofs)
     conditions = _conditions(model, omega, found, converged, premises, proofs)
     ahead = feedforward or model.study.study.feedforward
-    checks = check_requirements(model, conditions, true, sampled, noise, proofs)
+    checks = check_requirements(model, conditions, true, sampled, noises, proofs)
     return SweepResult(
         model=model,
         gains=gains,
@@ -87,13 +87,19 @@ def sweep(
         position=conditions[1],
         families=families,
         sampled=sampled,
-        noise_gain=noise,
-        noise_force=noise_force(
-            packed, model.filters, study_noise.position_noise, force_noise(model.study)
-        ),
+        **noises,
         checks=checks + running_checks(model, packed, ahead, proofs),
         certificates=proofs,
     )
+
+
+def noises_of(model: LinearModel, gains: LoopGains) -> dict[str, float]:
+    """Return what noise makes of F_ref: ``"noise_gain"`` [N/m] and ``"noise_force"`` [N] rms."""
+    of_place = model.study.study.controller.position_noise
+    return {
+        "noise_gain": noise_gain(gains, model.filters),
+        "noise_force": noise_force(gains, model.filters, of_place, force_noise(model.study)),
+    }
 
 
 def with_radii(swept: SweepResult) -> SweepResult:

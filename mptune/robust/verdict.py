@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mptune.robust.place import PlantPoint
 
 
+_NOISE_UNIT = {"noise_gain": "N/m", "noise_force": "N"}
 _MARGIN_CHECKS = (  # key of the requirement, family that it holds for, margin
     ("sensitivity_peak", "true", "sensitivity_peak"),
     ("complementary_peak", "true", "complementary_peak"),
@@ -45,7 +46,7 @@ def check_requirements(
     conditions: tuple[Condition, Condition],
     true: Family,
     sampled: Family | None,
-    noise: float,
+    noises: dict[str, float],
     proofs: Certificates | None,
 ) -> tuple[Check, ...]:
     """Return every requirement with its status.
@@ -60,8 +61,8 @@ def check_requirements(
         The true family with the measurement path that the study's model includes.
     sampled
         The true family as it runs; None where some delay leaves no room for the hold.
-    noise
-        The noise gain [N/m].
+    noises
+        ``"noise_gain"`` [N/m] and ``"noise_force"`` [N].
     proofs
         What is guaranteed over the box; None where measured responses stand in its place.
     """
@@ -77,11 +78,12 @@ def check_requirements(
         if limit is not None:
             asked = true if family == "true" else sampled
             checks.append(_margin_check(asked, key, margin, limit, proofs))
-    if requirements.noise_gain is not None:
-        met = noise <= requirements.noise_gain
-        status = Status.SATISFIED if met else Status.VIOLATED
-        text = f"≤ {exact(requirements.noise_gain)}"
-        checks.append(Check("noise_gain", "noise_gain", text, noise, status, None))
+    for key, noise in noises.items():
+        limit = getattr(requirements, key)
+        if limit is not None:
+            status = Status.SATISFIED if noise <= limit else Status.VIOLATED
+            text = f"≤ {exact(limit)} {_NOISE_UNIT[key]}"
+            checks.append(Check(key, key, text, noise, status, None))
     return tuple(checks)
 
 

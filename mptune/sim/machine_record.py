@@ -72,9 +72,15 @@ def record_of(
         force_limits=force_limits,
         broken=broken_limits(trace, machine, tick, begin),
         pressures=trace[:, _CHAMBERS],
-        converters=trace[:, _CONVERTERS] if machine.converters else None,
+        own_figures=_converter_peak(trace) if machine.converters else {},
         busiest=busiest,
+        commands=moves.commands,
     )
+
+
+def _converter_peak(trace: FloatArray) -> dict[str, float]:
+    """Return how far a converter piston came from its centre, as a figure of the machine's own."""
+    return {"converter_peak_mm": 1e3 * float(np.abs(trace[:, _CONVERTERS]).max())}
 
 
 def energies_of(energy: FloatArray) -> Energies:

@@ -10,11 +10,17 @@ from mptune.arrays import FloatArray, kernel
 from mptune.loops.velocity import plant_at
 from mptune.params.controller import Feedforward
 from mptune.params.pack import pack_feedforward
-from mptune.sim.sampled import run_linear
+from mptune.params.packed import NO_ESTIMATOR, StateEstimator
+from mptune.sim.sampled import DIVERGED, run_linear
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
-    from mptune.params.packed import FeedforwardTuple, LoopGains, MeasurementPath, Plants
+    from mptune.params.packed import (
+        FeedforwardTuple,
+        LoopGains,
+        MeasurementPath,
+        Plants,
+    )
     from mptune.sim.moves import Moves
 
 BAND = 0.02  # of a step: within it for good, the step has settled
@@ -31,9 +37,18 @@ class StepFigures(NamedTuple):
 
 
 def tracking_peaks(
-    loops: FamilyLoops, period: float, move: Moves, ahead: FeedforwardTuple, bins: int
+    loops: FamilyLoops,
+    period: float,
+    move: Moves,
+    ahead: FeedforwardTuple,
+    bins: int,
+    estimator: StateEstimator = NO_ESTIMATOR,
+    *,
+    running_away: bool = False,
 ) -> FloatArray:
     """Return each plant's peak error in each window of time over its peak velocity [s].
+
+    Of a loop that runs away both peaks are its own growth: it is infinite in every window.
 
     Parameters
     ----------
@@ -47,6 +62,11 @@ def tracking_peaks(
         Feed-forward.
     bins
         Number of windows.
+    estimator
+        The state estimator; the filters of the loops' path without one.
+    running_away
+        Whether loops that run away keep the quotient of their peaks, which tells a search the way
+        back though it says nothing of tracking.
 
     Returns
     -------
@@ -55,7 +75,9 @@ def tracking_peaks(
     """
     ticks = round(move.duration / loops.path.sample_time) // bins * bins
     packed = loops.plants, loops.gains, loops.path
-    return np.asarray(_peaks(*packed, period, move.pieces, ahead, ticks, bins))
+    farthest = np.inf if running_away else DIVERGED * move.reach
+    given = period, move.pieces, ahead
+    return np.asarray(_peaks(*packed, *given, ticks, bins, estimator, farthest))
 
 
 @kernel
@@ -68,18 +90,24 @@ def _peaks(
     ahead: FeedforwardTuple,
     ticks: int,
     bins: int,
+    estimator: StateEstimator,
+    farthest: float,
 ) -> FloatArray:
     found = np.zeros((len(plants.mass), bins))
     for n in range(len(plants.mass)):
-        traces = run_linear(plant_at(plants, n), gains, path, period, pieces, ahead, ticks)
-        fastest, per_bin = 0.0, ticks // bins
+        plant = plant_at(plants, n)
+        traces = run_linear(plant, gains, path, period, pieces, ahead, ticks, estimator)
+        fastest, per_bin, stays = 0.0, ticks // bins, True
         for tick in range(ticks):
             error, speed = abs(traces[0, tick] - traces[1, tick]), abs(traces[2, tick])
             place = tick // per_bin
             if not error <= found[n, place]:  # what is no number counts as the largest
                 found[n, place] = error
             fastest = max(fastest, speed)
+            stays = stays and abs(traces[1, tick]) <= farthest  # what is no number does not
         found[n] /= fastest
+        if not stays and farthest < np.inf:
+            found[n] = np.inf
     return found
 
 
@@ -103,8 +131,10 @@ def step_figures(loops: FamilyLoops, period: float, asked: float = 0.0) -> StepF
     end = max(min(max(_SLOWEST * slowest, _SHORTEST), _LONGEST), 2 * asked)
     none = pack_feedforward(Feedforward(), fast)
     first = int(np.ceil(asked / fast))
-    packed = loops.plants, gains, loops.path
-    return StepFigures(*_steps(*packed, period, none, round(end / fast), first).T)
+    path = loops.path
+    by = StateEstimator(path.estimator_mass, path.l_1, path.l_2, path.l_3, 0.0)  # a_ref = 0
+    packed = loops.plants, gains, path
+    return StepFigures(*_steps(*packed, period, none, round(end / fast), first, by).T)
 
 
 @kernel
@@ -116,12 +146,14 @@ def _steps(
     ahead: FeedforwardTuple,
     ticks: int,
     first: int,
+    estimator: StateEstimator,
 ) -> FloatArray:
     step = np.zeros((1, 7))
     step[0, 1] = 1.0
     found = np.zeros((len(plants.mass), 3))
     for n in range(len(plants.mass)):
-        traces = run_linear(plant_at(plants, n), gains, path, period, step, ahead, ticks)
+        plant = plant_at(plants, n)
+        traces = run_linear(plant, gains, path, period, step, ahead, ticks, estimator)
         settled = 0
         for tick in range(ticks):
             beyond = traces[1, tick] - 1

@@ -6,18 +6,18 @@ in them. Both sets grow: a search asks the few, and ``grow`` asks the whole fami
 Measured members are always asked, of Eq. 21, M_S and M_T.
 
 Eq. 17 is not among them: every velocity gain up to the largest, known in closed form, meets it.
+Around a state estimator neither is Eq. 21, and what is asked of loops is asked of that at F_ref.
 """
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mptune.loops.broken import FORCE
-from mptune.loops.noise import noise_gain
-from mptune.loops.running import running_family
+from mptune.loops.noise import noise_force, noise_gain
+from mptune.params.pack import force_noise
 from mptune.robust.grid import frequency_range
 from mptune.robust.margins import family_margins
 from mptune.robust.measured_loops import member_margins
@@ -25,12 +25,13 @@ from mptune.robust.running import family_figures, running_figures
 from mptune.robust.sweep import CONVERGED
 from mptune.robust.verdict import allowed_ratio
 from mptune.sim.running import step_figures
+from mptune.tune.asked import AskedPlants
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mptune.arrays import FloatArray, IntArray
-    from mptune.params.packed import LoopGains
+    from mptune.params.packed import LoopGains, MeasurementPath
     from mptune.robust.model import LinearModel
     from mptune.robust.place import PlantPoint
     from mptune.robust.running import RunningFigures
@@ -41,6 +42,7 @@ _MARGIN_POINTS = 150  # peaks are refined between them
 _IN_HAND = 5 * CONVERGED  # of a ratio, for what the grid does not see
 _GROWN = 1e-6  # of a quotient's logarithm: a plant that is worse by less is not added
 _ROUNDING = 1e-5  # kept in hand of every other limit
+_FOLDED = 1.05e-2  # and as it runs around an estimator, whose certificates close to 1 %
 _FARTHEST = -5.0  # below a limit: a margin without limit is no farther
 _UNSTABLE = 7.0  # a peak's logarithm where there is no finite one
 _LOWEST = 0.1  # of the envelope's lowest frequency: there loops as they run are first asked
@@ -51,7 +53,8 @@ SAMPLED = (
     "sampled_sensitivity_peak", "gain_margin", "disk_margin", "phase_margin", "delay_margin",
     "peak_compliance",
 )  # fmt: skip
-POSITION, NOISE, STABLE = "position_ratio", "noise_gain", "unstable_plants"
+POSITION, STABLE = "position_ratio", "unstable_plants"
+NOISES = ("noise_gain", "noise_force")
 PEAKS = ("sensitivity_peak", "complementary_peak")
 STEPS = ("overshoot", "settling_time")
 AS_IT_RUNS = (*SAMPLED, *STEPS)
@@ -133,40 +136,55 @@ class Excesses:
     @property
     def names(self) -> tuple[str, ...]:
         """The requirement behind each of the excesses."""
-        found = [POSITION] * WINDOWS
+        found = [] if self._model.estimated else [POSITION] * WINDOWS
         measured = len(self._model.members) if self._model.members is not None else 0
         found += [name for name in self._peaks for _ in range(len(self._true) + measured)]
         found += [name for name in (*self._of_sampled, *self._of_steps) for _ in self._sampled]
-        if self._model.requirements.noise_gain is not None:
-            found.append(NOISE)
+        found += [name for name in NOISES if self._limit(name) is not None]
         return tuple(found)
 
-    def of(self, gains: LoopGains) -> FloatArray:
-        """Return the excesses on the plants that bind, in the order of ``names``."""
-        ratio = self._ratio_excess(gains, self._envelope)[0]
-        parts = [ratio.reshape(WINDOWS, -1).max(axis=1)]
-        parts += [values for _, values, _ in self._peak_excesses(gains, self._true)]
-        parts += [values for _, values, _ in self._sampled_excesses(gains)]
-        noise = self._noise_excess(gains)
-        return np.asarray(np.maximum(np.concatenate([*parts, noise]), _FARTHEST))
+    def of(self, gains: LoopGains, filters: MeasurementPath | None = None) -> FloatArray:
+        """Return the excesses on the plants that bind, in the order of ``names``.
 
-    def worst(self, gains: LoopGains) -> tuple[Excess, ...]:
+        Parameters
+        ----------
+        gains
+            The gains.
+        filters
+            What measures, as it runs; the study's own where None.
+        """
+        by, parts = filters or self._model.filters, []
+        if not self._model.estimated:
+            ratio = self._ratio_excess(gains, self._envelope)[0]
+            parts.append(ratio.reshape(WINDOWS, -1).max(axis=1))
+        parts += [values for _, values, _ in self._peak_excesses(gains, by, self._true)]
+        parts += [values for _, values, _ in self._sampled_excesses(gains, by)]
+        parts += [np.array([value]) for _, value in self._noise_excesses(gains, by)]
+        return np.asarray(np.maximum(np.concatenate([np.zeros(0), *parts]), _FARTHEST))
+
+    def worst(self, gains: LoopGains, filters: MeasurementPath | None = None) -> tuple[Excess, ...]:
         """Return each requirement's worst over the whole family."""
+        by, found = filters or self._model.filters, []
         every = np.arange(len(self._model.plants.mass))
-        ratio, plant = self._ratio_excess(gains, every)
-        top = int(np.argmax(ratio))
-        found = [Excess(POSITION, float(ratio[top]), int(plant[top]), float(self._omega[top]))]
+        if not self._model.estimated:
+            ratio, plant = self._ratio_excess(gains, every)
+            top = int(np.argmax(ratio))
+            found.append(
+                Excess(POSITION, float(ratio[top]), int(plant[top]), float(self._omega[top]))
+            )
         members = self._model.members
         true = every[:0] if members is not None and members.instead else every
-        kinds = (*self._peak_excesses(gains, true), *self._sampled_excesses(gains, every))
+        kinds = (*self._peak_excesses(gains, by, true), *self._sampled_excesses(gains, by, every))
         for name, values, frequency in kinds:
             top = int(np.argmax(values))
             before = len(every) - len(true) if name in PEAKS else 0  # plants that are not asked
             found.append(Excess(name, float(values[top]), before + top, float(frequency[top])))
-        found += [Excess(NOISE, float(value), -1, np.nan) for value in self._noise_excess(gains)]
+        found += [Excess(name, x, -1, np.nan) for name, x in self._noise_excesses(gains, by)]
         return tuple(found)
 
-    def grow(self, gains: LoopGains) -> tuple[tuple[Excess, ...], bool]:
+    def grow(
+        self, gains: LoopGains, filters: MeasurementPath | None = None
+    ) -> tuple[tuple[Excess, ...], bool]:
         """Ask the whole family; add the plants that are worse than those known.
 
         Returns
@@ -175,9 +193,9 @@ class Excesses:
             Each requirement's worst over the whole family, and whether a plant was added.
         """
         known = dict.fromkeys(self.names, -np.inf)
-        for name, value in zip(self.names, self.of(gains), strict=True):
+        for name, value in zip(self.names, self.of(gains, filters), strict=True):
             known[name] = max(known[name], value)
-        found, added = self.worst(gains), False
+        found, added = self.worst(gains, filters), False
         for one in found:
             if one.plant < 0 or one.excess <= max(known[one.requirement], 0.0) + _GROWN:
                 continue
@@ -204,16 +222,17 @@ class Excesses:
         return plant[plant < len(self._model.plants.mass)]
 
     def _peak_excesses(
-        self, gains: LoopGains, rows: IntArray
+        self, gains: LoopGains, by: MeasurementPath, rows: IntArray
     ) -> list[tuple[str, FloatArray, FloatArray]]:
         if not self._peaks:
             return []
         model, parts = self._model, []
+        path = by if model.estimated else model.path
         if len(rows):
-            loops = model.loops(gains, plants=model.plants.picked(rows))
+            loops = model.loops(gains, path, model.plants_along(path).picked(rows))
             parts.append(family_margins(self._coarse, loops))
         if model.members is not None:
-            parts.append(member_margins(model.members, gains, model.path))
+            parts.append(member_margins(model.members, gains, path))
         found = []
         for name in self._peaks:
             limit, at = getattr(model.requirements, name), name.replace("peak", "frequency")
@@ -228,22 +247,20 @@ class Excesses:
 
     def _ask_sampled(self, rows: IntArray) -> None:
         """Ask these plants of the loop as it runs."""
-        model, self._sampled = self._model, rows
-        if self._of_sampled:
-            plants = model.as_it_runs(model.gains).plants.picked(rows)
-            self._running = running_family(self._low, plants, model.filters, model.period)
+        self._sampled = rows
+        self._running = AskedPlants(self._model, rows, self._low)
 
     def _sampled_excesses(
-        self, gains: LoopGains, rows: IntArray | None = None
+        self, gains: LoopGains, by: MeasurementPath, rows: IntArray | None = None
     ) -> list[tuple[str, FloatArray, FloatArray]]:
         """Return the excesses of plants as they run: of those asked, or of other rows."""
         model, found = self._model, []
         if not (self._of_sampled or self._of_steps):
             return []
-        loops = model.as_it_runs(gains)
-        loops = replace(loops, plants=loops.plants.picked(self._sampled if rows is None else rows))
+        plants = model.explicit.picked(self._sampled if rows is None else rows)
+        loops = model.loops(gains, by, plants)
         if self._of_sampled and rows is None:
-            figures = running_figures(self._running, gains)
+            figures = running_figures(self._running.by(by), gains)
         elif self._of_sampled:
             figures = family_figures(loops, model.period, self._low)
         for name in self._of_sampled:
@@ -269,13 +286,22 @@ class Excesses:
         return limit * float(np.exp(hand if name.endswith("margin") else -hand))
 
     def _rounding(self, name: str) -> float:
-        return _ROUNDING + self._hand.get(name, 0.0)
+        certified = self._model.estimated and name in SAMPLED
+        return (_FOLDED if certified else _ROUNDING) + self._hand.get(name, 0.0)
 
-    def _noise_excess(self, gains: LoopGains) -> FloatArray:
-        limit = self._model.requirements.noise_gain
-        if limit is None:
-            return np.zeros(0)
-        return np.log([noise_gain(gains, self._model.filters) / limit]) + _ROUNDING
+    def _noise_excesses(self, gains: LoopGains, by: MeasurementPath) -> list[tuple[str, float]]:
+        model, found = self._model, []
+        for name in NOISES:
+            limit = self._limit(name)
+            if limit is not None:
+                of_place = model.study.study.controller.position_noise
+                noise = (
+                    noise_gain(gains, by)
+                    if name == "noise_gain"
+                    else noise_force(gains, by, of_place, force_noise(model.study))
+                )
+                found.append((name, float(np.log(noise / limit)) + _ROUNDING))
+        return found
 
 
 def _over(name: str, limit: float, found: RunningFigures) -> tuple[FloatArray, FloatArray]:

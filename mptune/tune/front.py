@@ -116,8 +116,8 @@ def front(
 def _for(study: ResolvedStudy, kind: str) -> ResolvedStudy:
     """Return the study with another objective, on the same loop and with the same freedom."""
     old = study.study.objective
-    freedom = {"tracking_loop": old.tracking_loop, "free": old.turned}
-    objective = Objective.model_validate({"kind": kind, **freedom})
+    where = {"tracking_loop": old.tracking_loop, "tracking_plants": old.tracking_plants}
+    objective = Objective.model_validate({"kind": kind, "free": old.turned, **where})
     inner = study.study.model_copy(update={"objective": objective})
     return study.model_copy(update={"study": inner})
 

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.loops.family import FamilyLoops
-from mptune.loops.running import running_family
 from mptune.robust.condition import nominal_loops
 from mptune.robust.running import family_figures, running_figures
-from mptune.robust.tracking import family_tracking
+from mptune.robust.tracking import family_tracking, tracked_plants
 from mptune.sim.response import farthest, load_step
+from mptune.tune.asked import AskedPlants
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
@@ -85,15 +85,20 @@ class Judge:
 
     It starts with the family's corners, and ``grow`` asks the whole family. Where feed-forward is
     not free, the corners that are fast in tracking with the given candidate are left to ``grow``
-    too; free feed-forward decides itself which of them are slow.
+    too; free feed-forward decides itself which of them are slow. Tracking of the machines of
+    [verification] is asked of all of them.
     """
 
     def __init__(self, model: LinearModel, start: Choice) -> None:
         self._model = model
         self._tracking = self._loaded = self._running = model.corners()
         self._ask_running()
+        objective = model.study.study.objective
+        if objective.tracking_plants == "verification":
+            self._tracking = np.arange(tracked_plants(model).number)
+            return
         peaks = self.tracking_peaks(start).max(axis=(1, 2))
-        if np.isfinite(peaks).all() and not model.study.study.objective.turned:
+        if np.isfinite(peaks).all() and not objective.turned:
             self._tracking = self._tracking[peaks >= _SLOW * peaks.max()]
 
     @property
@@ -103,7 +108,7 @@ class Judge:
 
     def figures(self, choice: Choice) -> Figures:
         """Return the figures of merit of one candidate."""
-        running = self._run(choice.gains)
+        running = self._run(choice)
         return Figures(
             tracking=float(self.tracking_peaks(choice).max()),
             integral_gain=choice.gains.k_i_pos,
@@ -113,17 +118,20 @@ class Judge:
             peak_compliance=float(running.peak_compliance.max()) if running else np.nan,
         )
 
-    def tracking_peaks(self, choice: Choice, rows: IntArray | None = None) -> FloatArray:
+    def tracking_peaks(
+        self, choice: Choice, rows: IntArray | None = None, *, running_away: bool = False
+    ) -> FloatArray:
         """Return each plant's, move's and time window's peak error over its peak velocity [s].
 
         See ``mptune.robust.tracking``.
         """
         rows = self._tracking if rows is None else rows
-        return family_tracking(self._model, choice.gains, choice.feedforward, rows)
+        model, ahead = choice.put_over(self._model), choice.feedforward
+        return family_tracking(model, choice.gains, ahead, rows, running_away=running_away)
 
-    def disk_margins(self, gains: LoopGains) -> FloatArray:
+    def disk_margins(self, choice: Choice) -> FloatArray:
         """Return each plant's disk margin as it runs, negative where unstable; empty if none."""
-        running = self._run(gains)
+        running = self._run(choice)
         return running.disk_margin if running else np.zeros(0)
 
     def ask(self, model: LinearModel) -> None:
@@ -134,14 +142,13 @@ class Judge:
         self._ask_running()
 
     def _ask_running(self) -> None:
-        model = self._model
-        self._family = None
-        if model.runs:
-            plants = model.as_it_runs(model.gains).plants.picked(self._running)
-            self._family = running_family(_LOWEST, plants, model.filters, model.period)
+        self._asked = AskedPlants(self._model, self._running, _LOWEST)
 
-    def _run(self, gains: LoopGains) -> RunningFigures | None:
-        return running_figures(self._family, gains) if self._family else None
+    def _run(self, choice: Choice) -> RunningFigures | None:
+        if not self._model.runs:
+            return None
+        by = choice.put_over(self._model).filters
+        return running_figures(self._asked.by(by), choice.gains)
 
     def load_peaks(self, gains: LoopGains, rows: IntArray | None = None) -> FloatArray:
         """Return each plant's largest position deviation per newton of a load step [m/N]."""
@@ -177,7 +184,8 @@ class Judge:
         """
         every, worst, added = np.arange(len(self._model.plants.mass)), {}, False
         if "tracking" in kinds:
-            peaks = self.tracking_peaks(choice, every).max(axis=(1, 2))
+            tracked = np.arange(tracked_plants(self._model).number)
+            peaks = self.tracking_peaks(choice, tracked).max(axis=(1, 2))
             worst["tracking"] = float(peaks.max())
             if peaks.max() > 1.001 * peaks[self._tracking].max():
                 self._tracking, added = np.union1d(self._tracking, [int(np.argmax(peaks))]), True
@@ -187,7 +195,7 @@ class Judge:
             if peaks.max() > 1.001 * peaks[self._loaded].max():
                 self._loaded, added = np.union1d(self._loaded, [int(np.argmax(peaks))]), True
         if "robustness" in kinds:
-            loops = self._model.as_it_runs(choice.gains)
+            loops = choice.put_over(self._model).as_it_runs(choice.gains)
             found = family_figures(loops, self._model.period, _LOWEST).disk_margin
             worst["robustness"] = float(found.min())
             if found.min() < found[self._running].min() - _GROWN:

@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from collections.abc import Mapping
 
     from mptune.params.controller import Feedforward, Gains
+    from mptune.params.estimator import Estimator
     from mptune.robust.place import PlantPoint
     from mptune.robust.result import SweepResult
     from mptune.tune.objective import Figures
@@ -89,8 +90,8 @@ class TuneResult(Summarised, Drawn):
     ----------
     structure
         Structure of the position controller, one of ``mptune.tune.space.STRUCTURES``.
-    gains, feedforward, before
-        The tuned gains and feed-forward, and the study's own gains.
+    gains, feedforward, estimator, before, estimator_before
+        The tuned gains, feed-forward and estimator, and the study's own gains and estimator.
     figures, figures_before
         Their figures of merit.
     velocity
@@ -111,7 +112,9 @@ class TuneResult(Summarised, Drawn):
     structure: str
     gains: Gains
     feedforward: Feedforward
+    estimator: Estimator
     before: Gains
+    estimator_before: Estimator
     figures: Figures
     figures_before: Figures
     velocity: VelocityGain
@@ -138,6 +141,7 @@ class TuneResult(Summarised, Drawn):
             "structure": self.structure,
             "gains": self.gains.model_dump(),
             "feedforward": self.feedforward.model_dump(),
+            "estimator": self.estimator.model_dump(),
             "gains_before": self.before.model_dump(),
             "velocity_worst_ratio": self.sweep.velocity.worst_ratio,
             "position_worst_ratio": self.sweep.position.worst_ratio,

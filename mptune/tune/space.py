@@ -1,4 +1,4 @@
-"""What the tuner may choose: a controller's parameters, the velocity gain, the feed-forward.
+"""What the tuner may choose: the controller's parameters, feed-forward, the state estimator.
 
 Each structure of the position controller is a part of Eq. 22's parameter space, so that one loop,
 one set of requirements and one search serve them all:
@@ -14,19 +14,21 @@ one set of requirements and one search serve them all:
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
 from mptune.params.controller import Feedforward, Gains
+from mptune.params.estimator import Estimator
+from mptune.params.pack import pack_measured
 
 if TYPE_CHECKING:
     from collections.abc import Callable
 
     from mptune.arrays import FloatArray
     from mptune.params.packed import LoopGains
-    from mptune.params.section import Range
+    from mptune.params.section import Range, Section
     from mptune.robust.model import LinearModel
 
 STRUCTURES = ("p", "pi", "pid", "eq22")
@@ -41,34 +43,71 @@ _LEAST_SHARE = 0.1  # of the largest velocity gain
 OTHERS = (
     "sensitivity_peak", "complementary_peak", "sampled_sensitivity_peak", "gain_margin",
     "disk_margin", "phase_margin", "delay_margin", "peak_compliance", "overshoot",
-    "settling_time", "tracking_index", "noise_gain",
+    "settling_time", "tracking_index", "noise_gain", "noise_force",
 )  # fmt: skip
 """Requirements on linear figures beside those of Eq. 17 and Eq. 21."""
+
+
+_SLOWEST_ESTIMATOR, _FASTEST_ESTIMATOR = 5.0, 200.0  # rad/s
 
 
 class Beside(NamedTuple):
     """What may be free beside the controller's gains: one row of ``BESIDE`` makes it so."""
 
     part: str  # field of ``Choice`` that holds it
+    name: str  # its name there
     unit: float  # its scale: it may be 0, and so is not searched on a logarithmic one
-    largest: Callable[[LinearModel], float]  # where it is bounded if the study does not say
+    bounds: Callable[[LinearModel], Range]  # where the study does not say
+
+
+def _up_to(largest: float) -> Callable[[LinearModel], Range]:
+    return lambda _: (0.0, largest)
+
+
+def _masses(model: LinearModel, least: float, largest: float) -> Range:
+    """Return shares of the family's least and largest mass [kg]."""
+    return least * float(model.plants.mass.min()), largest * float(model.plants.mass.max())
 
 
 BESIDE = {
     "acceleration_mass": Beside(
-        "feedforward", 1e4, lambda model: 2 * float(model.plants.mass.max())
+        "feedforward", "acceleration_mass", 1e4, lambda model: _masses(model, 0.0, 2.0)
     ),
-    "reference_lag": Beside("feedforward", 5e-3, lambda _: _LONGEST_LAG),
-    "velocity_reference_lag": Beside("feedforward", 5e-3, lambda _: _LONGEST_LAG),
+    "preview": Beside("feedforward", "preview", 1e-2, _up_to(_LONGEST_LAG)),
+    "reference_lag": Beside("feedforward", "reference_lag", 5e-3, _up_to(_LONGEST_LAG)),
+    "velocity_reference_lag": Beside(
+        "feedforward", "velocity_reference_lag", 5e-3, _up_to(_LONGEST_LAG)
+    ),
+    "estimator_bandwidth": Beside(
+        "estimator", "bandwidth", 10.0, lambda _: (_SLOWEST_ESTIMATOR, _FASTEST_ESTIMATOR)
+    ),
+    "estimator_mass": Beside("estimator", "mass", 1e4, lambda model: _masses(model, 0.5, 1.0)),
 }
 """By its name in ``objective.free``; what is not here is a gain, searched on its logarithm."""
 
 
 class Choice(NamedTuple):
-    """One candidate: gains, and feed-forward beyond the velocity reference."""
+    """One candidate: gains, feed-forward beyond the velocity reference, and the estimator."""
 
     gains: LoopGains
     feedforward: Feedforward
+    estimator: Estimator
+
+    @classmethod
+    def of(cls, model: LinearModel) -> Choice:
+        """Return what the study itself says, the estimator's mass spelt out."""
+        own, known = model.study.study, model.filters.estimator_mass
+        estimator = own.estimator.model_copy(update={"mass": known}) if known else own.estimator
+        return cls(model.gains, own.feedforward, estimator)
+
+    def put_over(self, model: LinearModel) -> LinearModel:
+        """Return a model around this candidate's estimator, gains and feed-forward left alone."""
+        inner = model.study.study
+        if self.estimator == inner.estimator:
+            return model
+        inner = inner.model_copy(update={"estimator": self.estimator})
+        study = model.study.model_copy(update={"study": inner})
+        return replace(model, study=study, filters=pack_measured(study))
 
 
 @dataclass(frozen=True)
@@ -106,7 +145,7 @@ class Space:
         for name, variable in BESIDE.items():
             if name in at:
                 part = getattr(choice, variable.part)
-                moved = part.model_copy(update={name: at.pop(name) * variable.unit})
+                moved = part.model_copy(update={variable.name: at.pop(name) * variable.unit})
                 choice = choice._replace(**{variable.part: moved})
         gains = self._gains({name: float(np.exp(value)) for name, value in at.items()})
         return choice._replace(gains=gains)
@@ -117,7 +156,7 @@ class Space:
         if self.structure == "pid":
             values["k_d_pos"] = _derivative_gain(choice.gains)
         point = [
-            getattr(getattr(choice, BESIDE[name].part), name) / BESIDE[name].unit
+            _beside(choice, BESIDE[name]) / BESIDE[name].unit
             if name in BESIDE
             else np.log(max(values[name], 1e-300))
             for name in self.names
@@ -145,6 +184,11 @@ class Space:
             omega = float(np.sqrt(gains.k_p_pos / second))
             gains = gains._replace(omega=omega, xi=first * omega / (2 * gains.k_p_pos))
         return gains
+
+
+def _beside(choice: Choice, variable: Beside) -> float:
+    value: float = getattr(getattr(choice, variable.part), variable.name)
+    return value
 
 
 def _derivative_gain(gains: LoopGains) -> float:
@@ -182,7 +226,7 @@ def space_of(
         fixed = fixed._replace(tau=bounds["tau"][0])
     names = [name for name in names if name not in values]
     scaled = np.array([_scaled(name, bounds[name]) for name in names]).reshape(len(names), 2)
-    choice = Choice(fixed, model.study.study.feedforward)
+    choice = Choice.of(model)._replace(gains=fixed)
     return Space(structure, tuple(names), scaled[:, 0], scaled[:, 1], choice)
 
 
@@ -199,11 +243,12 @@ def _middle(pair: Range) -> float:
 def _velocity_gain_is_free(model: LinearModel) -> bool:
     """Return whether less than the largest velocity gain may do better.
 
-    On the loop as it runs it may: there its own limit is another than Eq. 17's.
+    On the loop as it runs it may: there its own limit is another than Eq. 17's. Around a state
+    estimator Eq. 17 sets none.
     """
     asked = model.requirements
     others = any(getattr(asked, name) is not None for name in OTHERS)
-    return others or model.study.study.objective.runs
+    return others or model.estimated or model.study.study.objective.runs
 
 
 def _default_bounds(model: LinearModel, k_p_vel: float) -> dict[str, Range]:
@@ -221,17 +266,25 @@ def _default_bounds(model: LinearModel, k_p_vel: float) -> dict[str, Range]:
         "omega": (0.2 * crossover, 20 * crossover),
         "xi": (0.05, 3.0),
         "tau": (half_period, max(10 * half_period, 2 / crossover)),
-        **{name: (0.0, one.largest(model)) for name, one in BESIDE.items()},
+        **{name: one.bounds(model) for name, one in BESIDE.items()},
     }
     return {name: _declared(name, pair) for name, pair in wide.items()}
 
 
+_SECTIONS: dict[str, type[Section]] = {
+    "gains": Gains,
+    "feedforward": Feedforward,
+    "estimator": Estimator,
+}
+
+
 def _declared(name: str, pair: Range) -> Range:
     """Return the part of a range within what the parameter's declaration allows."""
-    section = next((one for one in (Gains, Feedforward) if name in one.model_fields), None)
-    if section is None:
+    field = BESIDE[name].name if name in BESIDE else name
+    section = _SECTIONS[BESIDE[name].part if name in BESIDE else "gains"]
+    if field not in section.model_fields:
         return pair
-    least, largest = section.bounds_of(name)
+    least, largest = section.bounds_of(field)
     return min(max(pair[0], least), largest), min(max(pair[1], least), largest)
 
 

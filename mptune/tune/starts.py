@@ -40,13 +40,13 @@ def first_points(
     kind
         The objective that weighs most.
     """
-    own = Choice(gains, _matched_feedforward(model, space))
+    own = Choice.of(model)._replace(gains=gains, feedforward=_matched_feedforward(model, space))
     yield space.point(own)
     if space.structure != "eq22":
         for share in _SMALLER:
             yield _scaled(space, own, share)
         return
-    if kind == "robustness":  # no convex core stands in for a disk margin
+    if kind == "robustness" or model.estimated:  # no convex core stands in for either
         yield from _scattered(space, space.point(own))
         return
     limits = space.limits()
@@ -92,17 +92,21 @@ def screened(space: Space, merit: Callable[[FloatArray], float]) -> Iterator[Flo
 
 
 def _matched_feedforward(model: LinearModel, space: Space) -> Feedforward:
-    """Return the study's feed-forward, what is free of it matched to the machine.
+    """Return the study's feed-forward, what is free of it and off matched to the machine.
 
-    The reference is as late as the measured position, and the mass in the middle.
+    The reference is as late as the measured position, the acceleration as early as the force is
+    late, and the mass in the middle.
     """
+    late = 0.5 * float(model.explicit.delay.min() + model.explicit.delay.max())
     matched = {
         "acceleration_mass": float(np.sqrt(model.plants.mass.min() * model.plants.mass.max())),
-        "reference_lag": model.filters.filter_time,
+        "preview": late + model.period / 2,
+        "reference_lag": 0.0 if model.estimated else model.filters.filter_time,
         "velocity_reference_lag": 0.0,
     }
-    free = {name: matched[name] for name in space.names if name in matched}
-    return model.study.study.feedforward.model_copy(update=free)
+    own = model.study.study.feedforward
+    free = {name: getattr(own, name) or matched[name] for name in space.names if name in matched}
+    return own.model_copy(update=free)
 
 
 def _scaled(space: Space, choice: Choice, share: float) -> FloatArray:

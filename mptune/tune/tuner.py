@@ -75,7 +75,7 @@ class Tuner:
         self._study, self._model = study, LinearModel.of(study)
         model, bounds = self._model, study.study.requirements.bounds
         self._hand: dict[str, float] = {}
-        self._own = Choice(model.gains, study.study.feedforward)
+        self._own = Choice.of(model)
         self._judge = Judge(model, self._own)
         self._before = self._judge.figures(self._own)
         self._velocity = self._largest_velocity_gain()
@@ -131,7 +131,8 @@ class Tuner:
         return search, found, judged
 
     def _judged(self, choice: Choice) -> SweepResult:
-        return sweep(self._model, _gains(choice.gains), choice.feedforward)
+        model = choice.put_over(self._model)
+        return sweep(model, _gains(choice.gains), choice.feedforward)
 
     def searched(
         self,
@@ -203,7 +204,9 @@ class Tuner:
             structure=structure,
             gains=judged.gains,
             feedforward=found.choice.feedforward,
+            estimator=found.choice.estimator,
             before=self._study.study.gains,
+            estimator_before=self._study.study.estimator,
             figures=self._judge.figures(found.choice),
             figures_before=self._judge.figures(self._own),
             velocity=self._velocity,

@@ -63,6 +63,8 @@ def largest_velocity_gain(
         unstable bounds it too, so that a family without uncertainty has an answer.
     """
     nominal, path, limit = model.nominal, model.path, model.requirements.velocity_ratio
+    if model.estimated:
+        return _around_an_estimator(model, upper)
     omega = first_grid(*frequency_range(model.plants, nominal, model.gains))
     at_rest = np.abs(nominal.mass / model.plants.mass - 1)  # |Δ_vel| as ω → 0, whatever the gain
     if at_rest.max() >= allowed_ratio(limit, omega[:1])[0]:
@@ -85,6 +87,18 @@ def largest_velocity_gain(
     )
     gain, limited_by = min(candidates)
     return VelocityGain(gain, limited_by, frequency, plant)
+
+
+def _around_an_estimator(model: LinearModel, upper: float) -> VelocityGain:
+    """Return the largest gain where Eq. 17 asks nothing: what the nominal dead time allows.
+
+    At high frequency the loop at F_ref is K_P,vel e^{−sd}/(m̂s), whatever the mass; with the lags
+    of pressure and sampling less than this bound is stable.
+    """
+    nominal = model.nominal_along(model.filters)
+    most = np.pi / 2 * model.filters.estimator_mass / nominal.delay
+    gain, limited_by = min((upper, "bounds"), (most, "nominal stability"))
+    return VelocityGain(gain, limited_by, 0.0, 0)
 
 
 def _inverse_plant(omega: FloatArray, nominal: NominalPlant, path: MeasurementPath) -> ComplexArray:

@@ -52,6 +52,7 @@ class Worth:
         hand: Mapping[str, float] | None = None,
     ) -> None:
         self._judge, self._before, self._space, self._required = judge, before, space, required
+        self._model = model
         self._weights = weights_of(model.study.study.objective)
         self._kept: dict[str, tuple[str, float]] = {}  # name: kind, and the most it may become
         limit = model.requirements.tracking_index
@@ -113,16 +114,17 @@ class Worth:
         kept = [
             np.log(self._values(choice, kind).ravel() / most) for kind, most in self._kept.values()
         ]
-        return np.concatenate([self._required.of(choice.gains), *kept])
+        by = choice.put_over(self._model).filters
+        return np.concatenate([self._required.of(choice.gains, by), *kept])
 
     def _values(self, choice: Choice, kind: str) -> FloatArray:
         """Return what is to be small of one kind of objective."""
         if kind == "tracking":
-            return self._judge.tracking_peaks(choice)
+            return self._judge.tracking_peaks(choice, running_away=True)
         if kind == "load-step":
             return self._judge.load_peaks(choice.gains)
         if kind == "robustness":  # positive, and smooth where α passes through 0
-            return np.exp(-self._judge.disk_margins(choice.gains))
+            return np.exp(-self._judge.disk_margins(choice))
         if kind == "disturbance":
             return np.array([1 / max(choice.gains.k_i_pos, _NO_INTEGRAL)])
         return np.array([1 / self._judge.bandwidth(choice.gains)])

@@ -71,7 +71,7 @@ def test_a_global_search_needs_a_hundred_times_as_many_candidates(load_boom):
         Tuner(study).searched()  # without the verdict, which the other search does not give either
         ours_seconds = min(ours_seconds, time.perf_counter() - start)
     model = LinearModel.of(study)
-    own = Choice(model.gains, study.study.feedforward)
+    own = Choice.of(model)
     judge = Judge(model, own)
     before = judge.figures(own)
     search = GainSearch(model, judge, before, found.gains.k_p_vel)

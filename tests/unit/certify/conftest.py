@@ -7,6 +7,10 @@ from dataclasses import replace
 import pytest
 
 from mptune.certify.problem import BoxedLoop
+from mptune.params.estimator import place_estimator
+from mptune.params.packed import MeasurementPath
+
+FAST, BANDWIDTH, LEAST = 5e-4, 40.0, 24_500.0
 
 
 @pytest.fixture(scope="session")
@@ -39,3 +43,13 @@ def hidden(varied):
         tau_a=(0.0122, 0.0122),
         tau_b=(0.0, 0.24),
     )
+
+
+@pytest.fixture(scope="session")
+def estimated(varied):
+    """§5.1's masses and delays under the published gains, around a state estimator."""
+    by = place_estimator(BANDWIDTH, FAST)
+    path = MeasurementPath(FAST, 0.0, 1 / BANDWIDTH, LEAST, *by)
+    lags = {"tau_a": (0.005, 0.012), "tau_b": (0.005, 0.012)}
+    problem = varied(mass=(24.5e3, 49e3), delay=(0.01, 0.014), **lags)
+    return replace(problem, filters=path, explicit=None)

@@ -15,6 +15,7 @@ from certified import (
 )
 
 from mptune.certify.bounds import bound
+from mptune.certify.enclosure import SIDES
 from mptune.certify.form import form_of
 
 pytestmark = pytest.mark.compiled
@@ -38,8 +39,8 @@ def test_the_attained_place_has_the_attained_value_and_none_has_more_than_the_bo
     found, form = bound(problem, *name), form_of(problem, *name)
     attained, proved = limits(found, form)
     ratio = problem.box.nominal.mass / found.at.mass
-    place = np.array([found.at.omega, ratio, *found.at[1:4], 0.0])
-    none = np.zeros(6)
+    place = np.array([found.at.omega, ratio, *found.at[1:4], 0.0, 0.0])
+    none = np.zeros(SIDES)
     low, high = exactly(PROGRAM, form, name, place, none, TERMS)
     assert attained == pytest.approx(low, rel=1e-6 if name[1] != "sampled" else 1e-4)
     assert high <= proved

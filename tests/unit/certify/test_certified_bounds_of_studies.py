@@ -10,6 +10,7 @@ import pytest
 
 from mptune.certify.bounds import bound
 from mptune.certify.climb import figure_at
+from mptune.certify.enclosure import SIDES
 from mptune.certify.form import curve_of, form_of
 from mptune.certify.problem import edges_of
 
@@ -45,7 +46,7 @@ def assert_never_above(problem, found, count=3000, seed=1):
     rng = np.random.default_rng(seed)
     end = math.pi / problem.period if found.path == "sampled" else 400.0
     edges = edges_of(problem, (0.0, end))
-    points = edges[0] + (edges[1] - edges[0]) * rng.uniform(-0.5, 1.5, (count, 6)).clip(0, 1)
+    points = edges[0] + (edges[1] - edges[0]) * rng.uniform(-0.5, 1.5, (count, SIDES)).clip(0, 1)
     points[:, 0] = end * 10 ** rng.uniform(-3.5, 0, count)
     best = max(figure_at(form, curve_of(1.0), point) for point in points)
     assert best <= limit
@@ -196,7 +197,7 @@ def test_a_curve_that_is_allowed(published):
     form = form_of(problem, "velocity", "none", "equation_17")
     edges = edges_of(problem, (0.0, 300.0))
     rng = np.random.default_rng(4)
-    points = edges[0] + (edges[1] - edges[0]) * rng.uniform(-0.5, 1.5, (4000, 6)).clip(0, 1)
+    points = edges[0] + (edges[1] - edges[0]) * rng.uniform(-0.5, 1.5, (4000, SIDES)).clip(0, 1)
     points[:, 0] = 10 ** rng.uniform(0, 2.4, 4000)
     ratio = np.array([figure_at(form, curve_of(1.0), point) for point in points])
     frequency, allowed = np.array(curve).T

@@ -7,6 +7,7 @@ import pytest
 from test_enclosure import GAINS, evaluate
 
 from mptune.certify.climb import figure_at
+from mptune.certify.enclosure import SIDES
 from mptune.certify.form import curve_of, form_of
 from mptune.certify.problem import edges_of
 from mptune.certify.sampled import remainder, shifts_up_to, terms_for, truncated_bound
@@ -16,7 +17,7 @@ pytestmark = pytest.mark.compiled
 
 def truncated_sensitivity(form, point, terms, monkeypatch):
     monkeypatch.setattr("test_enclosure.TERMS", terms)
-    none = np.zeros(6)
+    none = np.zeros(SIDES)
     top = evaluate(form, curve_of(1.0), point, none, 1.0, 0.0)[0].value
     return np.sqrt(top / -evaluate(form, curve_of(1.0), point, none, 0.0, 1.0)[0].value)
 
@@ -30,7 +31,7 @@ def test_no_plant_leaves_more_out_than_the_remainder(varied, monkeypatch, kind, 
     rng = np.random.default_rng(6)
     used = 0.0
     for _ in range(60):
-        point = edges[0] + (edges[1] - edges[0]) * rng.uniform(0, 1, 6)
+        point = edges[0] + (edges[1] - edges[0]) * rng.uniform(0, 1, SIDES)
         exact = figure_at(form, curve_of(1.0), point)
         found = truncated_sensitivity(form, point, terms, monkeypatch)
         moved = abs(1 / found - 1 / exact)  # at most |L − L_K|

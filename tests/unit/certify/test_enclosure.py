@@ -5,8 +5,9 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from mptune.certify.clearance import clearance
 from mptune.certify.climb import figure_at
-from mptune.certify.enclosure import OMEGA, SIDES, clearance, enclose, plant_over
+from mptune.certify.enclosure import OMEGA, SIDES, enclose, plant_over
 from mptune.certify.figures import coefficients
 from mptune.certify.form import COMPLIANCE, curve_of, form_of
 from mptune.certify.problem import edges_of
@@ -180,7 +181,7 @@ def test_one_side_alone_is_followed_to_both_of_its_ends(varied, name, side):
 def test_rounding_at_a_point_is_all_that_is_left(varied):
     problem = varied()
     form, curve = form_of(problem, "position", "filters", "equation_21"), curve_of(1.0)
-    point = np.array([38.0, 1.0, 0.013, 0.0122, 0.0119, 0.0])
+    point = np.array([38.0, 1.0, 0.013, 0.0122, 0.0119, 0.0, 0.0])
     found, _, spreads, _ = evaluate(form, curve, point, np.zeros(SIDES), 1.0, 0.15)
     assert 0 < found.error <= found.spread < 1e-10 * abs(found.value)
     assert np.all(spreads > 0)

@@ -7,6 +7,7 @@ import pytest
 
 from mptune.certify.bounds import bound
 from mptune.certify.climb import figure_at
+from mptune.certify.enclosure import SIDES
 from mptune.certify.envelope import envelope
 from mptune.certify.form import curve_of, form_of
 from mptune.certify.problem import edges_of
@@ -31,7 +32,7 @@ def test_no_plant_exceeds_the_envelope(published, name):
     form = form_of(problem, *name)
     edges = edges_of(problem, (1.0, 250.0))
     rng = np.random.default_rng(9)
-    points = edges[0] + (edges[1] - edges[0]) * rng.uniform(-0.5, 1.5, (3000, 6)).clip(0, 1)
+    points = edges[0] + (edges[1] - edges[0]) * rng.uniform(-0.5, 1.5, (3000, SIDES)).clip(0, 1)
     points[:, 0] = 10 ** rng.uniform(0, np.log10(250), 3000)
     values = np.array([figure_at(form, curve_of(1.0), point) for point in points])
     assert np.all(values <= found.bound[np.searchsorted(omega, points[:, 0]) - 1])

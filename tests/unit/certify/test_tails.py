@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from mptune.certify.climb import figure_at
+from mptune.certify.enclosure import SIDES
 from mptune.certify.form import curve_of, form_of
 from mptune.certify.problem import edges_of
 from mptune.certify.tails import tail_bound, tail_start
@@ -34,7 +35,7 @@ def test_the_tail_is_below_its_bound(varied, loop, path, figure, gains):
     assert tail_bound(form, edges[1, 1], 0.99 * start) > LEVELS[figure]
     rng = np.random.default_rng(8)
     for _ in range(300):
-        point = edges[0] + (edges[1] - edges[0]) * rng.uniform(-0.5, 1.5, 6).clip(0, 1)
+        point = edges[0] + (edges[1] - edges[0]) * rng.uniform(-0.5, 1.5, SIDES).clip(0, 1)
         point[0] = start * 10 ** rng.choice([0.0, rng.uniform(0, 2)])
         value = figure_at(form, curve_of(1.0), point)
         assert value <= tail_bound(form, edges[1, 1], point[0]) <= LEVELS[figure]

@@ -38,7 +38,8 @@ def test_json_of_a_comparison_and_a_front_holds_the_agreed_keys(tune, tmp_path):
     values = strict(out)
     assert code == (0 if values["verdict"] == "met" else 1), err
     assert {
-        "status", "structure", "gains", "feedforward", "gains_before", "velocity_worst_ratio",
+        "status", "structure", "gains", "estimator", "feedforward", "gains_before",
+        "velocity_worst_ratio",
         "position_worst_ratio", "satisfied", "objective", "binding", "rounds", "blocking",
         "evaluations", "velocity_gain_limited_by", "compared", "front", "verdict",
         "verdict_reason", "witness", "warnings",
@@ -124,7 +125,6 @@ def test_comparison_and_front_of_what_cannot_be_met_say_so_too(tune):
 
 
 def test_a_start_beyond_numbers_is_null_in_json(tune):
-    continuous = ("--set", "objective.tracking_loop=continuous")
-    code, out, _ = tune("--json", "--set", "gains.k_p_pos=1e5 1/s", *continuous)
+    code, out, _ = tune("--json", "--set", "gains.k_p_pos=1e5 1/s")
     assert code == (0 if json.loads(out)["verdict"] == "met" else 1)
     assert strict(out)["objective"]["before"]["tracking_index_s"] is None

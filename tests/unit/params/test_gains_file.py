@@ -104,6 +104,16 @@ def test_any_name_of_a_study_comes_back(tmp_path, name):
     assert read_gains(path).study == name
 
 
+def test_an_estimator_comes_back_and_a_file_without_one_leaves_the_studys(tmp_path, boom):
+    chosen = {"kind": "state", "bandwidth": 52.5, "mass": 23_010.0, "reference_injection": True}
+    for name, section in (("chosen", chosen), ("least mass", {"kind": "state"}), ("none", None)):
+        file = gains_file(estimator=section)
+        found = read_gains(write_gains(tmp_path / f"{name}.toml", file))
+        assert found == file
+        own = found.put_over(boom).study.estimator
+        assert own == (boom.study.estimator if section is None else file.estimator)
+
+
 def test_the_file_is_plain_toml_in_si_under_the_study_s_own_keys(written):
     values = tomllib.loads(written[1])
     assert values["gains"]["k_p_vel"] == 7e5
@@ -252,21 +262,25 @@ def test_gains_that_cannot_be_written_are_an_output_error(tmp_path):
         write_gains(tmp_path / "file" / "gains.toml", gains_file())
 
 
-def test_a_controller_accepts_satisfied_margins(written):
-    assert accepted_gains(written[0], HASH) == read_gains(written[0])
+def test_a_controller_accepts_satisfied_margins(boom, tmp_path):
+    path = write_gains(tmp_path / "gains.toml", gains_file(study_hash=boom.hash()))
+    assert accepted_gains(boom, path) == (read_gains(path), ())
 
 
 @pytest.mark.parametrize("margins", ["violated", "not run"])
-def test_a_controller_refuses_margins_that_are_not_satisfied_unless_forced(tmp_path, margins):
-    path = write_gains(tmp_path / "gains.toml", gains_file(margins=margins))
+def test_a_controller_refuses_margins_that_are_not_satisfied_unless_forced(boom, tmp_path, margins):
+    file = gains_file(margins=margins, study_hash=boom.hash())
+    path = write_gains(tmp_path / "gains.toml", file)
     with pytest.raises(InputError) as caught:
-        accepted_gains(path, HASH)
+        accepted_gains(boom, path)
     (fault,) = caught.value.faults
     assert (fault.key, fault.value) == ("margins", margins)
     assert "--force" in fault.remedy
-    assert accepted_gains(path, HASH, force=True).margins == margins
+    assert accepted_gains(boom, path, force=True)[0].margins == margins
 
 
-def test_force_does_not_make_gains_of_another_study_acceptable(written):
+def test_force_does_not_make_gains_of_another_model_acceptable_that_are_not_said_to_be(
+    boom, written
+):
     with pytest.raises(InputError, match="another model"):
-        accepted_gains(written[0], "b" * 64, force=True)
+        accepted_gains(boom, written[0], force=True)

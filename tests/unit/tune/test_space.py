@@ -73,7 +73,7 @@ def test_p_pi_and_pid_are_exactly_that(spaces, values, s):
 
 @given(values=st.lists(st.floats(-3, 4), min_size=8, max_size=8))
 def test_no_choice_leaves_the_bounds(space_free, values):
-    gains, ahead = space_free.choice(point_at(space_free, values))
+    gains, ahead, _ = space_free.choice(point_at(space_free, values))
     assert 22 * (1 - 1e-12) <= gains.k_i_pos <= 200 * (1 + 1e-12)
     assert 0.005 * (1 - 1e-12) <= gains.tau <= 0.03 * (1 + 1e-12)
     assert gains.k_p_vel <= LARGEST * (1 + 1e-12)

@@ -172,7 +172,7 @@ def test_every_requirement_is_kept_and_something_binds(load_boom, name):
 def test_no_other_start_ends_better(load_boom, tuned_boom):
     """Polished from points spread over the space; the global search stands with the benchmarks."""
     model = tuned_boom.sweep.model  # with what the certificate had found
-    own = Choice(model.gains, model.study.study.feedforward)
+    own = Choice.of(model)
     judge = Judge(model, own)
     before = judge.figures(own)
     search = GainSearch(model, judge, before, tuned_boom.gains.k_p_vel)
