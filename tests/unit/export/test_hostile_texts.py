@@ -77,6 +77,10 @@ def test_no_text_changes_the_code_of_any_c_file(controllers):
             assert max(map(len, text.splitlines())) < 4095
 
 
+DATA = ("study", "ports", "lines", "valves", "switches")
+TYPES = ("parameters", "port", "line", "real")
+
+
 @pytest.mark.parametrize("compiler", COMPILERS, ids=lambda one: one[0].rsplit("/", 1)[-1])
 def test_c_compiles_without_a_warning_and_defines_nothing_else(controllers, compiler, tmp_path):
     """Every text at once: the parameters' file of each in one source, under names of its own."""
@@ -87,16 +91,12 @@ def test_c_compiles_without_a_warning_and_defines_nothing_else(controllers, comp
         folder.mkdir()
         for name in ("mptune_parameters.h", "mptune_parameters.c"):
             (folder / name).write_text(sources[name], encoding="utf-8")
-        lines += [
-            f"#define mptune_{name} own{number}_{name}"
-            for name in ("study", "ports", "valves", "switches", "parameters", "port", "real")
-        ]
+        lines += [f"#define mptune_{name} own{number}_{name}" for name in (*DATA, *TYPES)]
         lines.append(f'#include "{number}/mptune_parameters.c"')
         lines += [
             f"#undef {name}"
             for name in (
-                *(f"mptune_{one}" for one in ("study", "ports", "valves", "switches")),
-                *(f"mptune_{one}" for one in ("parameters", "port", "real")),
+                *(f"mptune_{one}" for one in (*DATA, *TYPES)),
                 "MPTUNE_PARAMETERS_H",
                 *re.findall(r"#define (MPTUNE_\w+) ", sources["mptune_parameters.h"]),
             )
@@ -110,8 +110,7 @@ def test_c_compiles_without_a_warning_and_defines_nothing_else(controllers, comp
         capture_output=True, text=True, check=True,
     ).stdout  # fmt: skip
     symbols = {line.split()[0] for line in listed.splitlines()}
-    names = ("study", "ports", "valves", "switches")
-    assert symbols == {f"own{n}_{name}" for n in range(len(controllers)) for name in names}
+    assert symbols == {f"own{n}_{name}" for n in range(len(controllers)) for name in DATA}
 
 
 def test_structured_text_parses_to_the_same_program(controllers):

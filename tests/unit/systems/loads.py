@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import asdict
 from functools import partial
 
 from mptune.params.load import load_study
@@ -20,6 +21,11 @@ MOVES = (
     '{distance="-50 mm", duration="1 s", rest="0.5 s"}]'
 )
 CASE = LoadCase(mass=49e3, oil_bulk_modulus=1.2e9, load_force=9700.0, seed=1, repeats=3)
+
+
+def figures(outcome):
+    """Figures of each set as text, in full: those that are not numbers are alike as well."""
+    return str([asdict(one) for one in outcome.sets])
 
 
 def runner(study, key):

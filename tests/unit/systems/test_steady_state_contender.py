@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from loads import figures
 
 from mptune.job.systems import this_machine
 from mptune.params.load import load_study
@@ -40,8 +41,8 @@ def test_it_is_the_study_with_the_other_decision_and_the_same_gains(study_file):
         other.study.gains,
         other.study.feedforward,
     )
-    assert found.sets == wanted.sets
-    assert found.sets != mine["this_machine"].literature.run(case, 1.0).sets
+    assert figures(found) == figures(wanted)
+    assert figures(found) != figures(mine["this_machine"].literature.run(case, 1.0))
     assert [one.name for one in mine["steady_state"].others] == ["tuned"]
     assert study.study.controller.force_model == "dynamic"
 
