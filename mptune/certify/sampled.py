@@ -49,7 +49,7 @@ if TYPE_CHECKING:
 
 _TAPS = 18 / 35  # Σ|taps| of Eq. 23, times T_S,fast
 MOST_SHIFTS = 100
-ESTIMATED_TERMS = 8  # around a state estimator: what folds leave out is more than further ones do
+ESTIMATED_TERMS = 4  # around a state estimator: what folds leave out is more than further ones do
 _BANDS = 400  # bounded one by one; beyond them, together
 _CARE = 1 + 1e-9  # more than all roundings of these sums
 

@@ -73,6 +73,7 @@ def test_a_study_tracks_as_it_says(root, label):
 
 @pytest.mark.parametrize("name", ["boom-estimator", "boom-estimator-robust"])
 def test_the_margins_are_certified_as_it_runs(root, name):
+    """The robust study's stay open today: what folds leave out where lags are short is too much."""
     swept = sweep(loaded(root, name))
     for check in swept.checks:
         print(f"\n{name}: {check.key} {check.limit}: {check.found:.5g}, {check.status}", end="")
