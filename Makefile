@@ -7,7 +7,7 @@ PIP := $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 STAMP := $(VENV)/.installed
 STUDY ?= studies/boom/study.toml
 
-.PHONY: run test bench fuzz format setup coverage mutants lock dist
+.PHONY: run test test-all bench fuzz format setup coverage mutants lock lowest dist dist-check docs
 
 run: setup
 	$(BIN)/mptune run $(STUDY)
@@ -19,13 +19,42 @@ test: setup
 	$(BIN)/lint-imports
 	NUMBA_NUM_THREADS=1 $(BIN)/pytest -n 2
 
+# The site, into build/site: the guide, the docstrings, and the examples, which are run for it.
+# Strict: a broken link, a missing section of the README or a failing example ends it.
+docs: setup
+	$(PIP) -c constraints.txt -e ".[docs]"
+	NO_MKDOCS_2_WARNING=1 $(BIN)/mkdocs build
+
+# All that `test` runs and every example, under each of the interpreters that are there; uv fetches
+# more (uv python install 3.13), INTERPRETERS="python3.12" chooses.
+INTERPRETERS ?= python3.11 python3.12 python3.13 python3.14
+test-all: test
+	@for python in $(INTERPRETERS); do \
+		$$python -c "" 2>/dev/null || continue; \
+		echo "== $$($$python --version)"; \
+		place=build/$$($$python -c "import sys; print('venv-%d.%d' % sys.version_info[:2])"); \
+		$$python -m venv $$place && \
+		$$place/bin/python -m pip install --quiet --disable-pip-version-check -e ".[test]" && \
+		NUMBA_NUM_THREADS=1 $$place/bin/python -m pytest -q -n 2 -m "not bench and not fuzz" \
+			|| exit 1; \
+	done
+
+# The lowest versions that pyproject.toml allows, with kernels of their own. Needs uv, as `lock`.
+lowest:
+	uv venv --quiet --clear --python 3.11 build/lowest
+	VIRTUAL_ENV=build/lowest uv pip install --quiet --only-binary :all: --resolution lowest-direct \
+		-r pyproject.toml "pytest>=8" "hypothesis>=6.100"
+	VIRTUAL_ENV=build/lowest uv pip install --quiet --no-deps -e .
+	build/lowest/bin/python -m pytest -q -o addopts= tests/unit/test_units.py tests/unit/cli/test_stages.py
+	NUMBA_CACHE_DIR=build/lowest/kernels build/lowest/bin/python -m mptune.cli warm -v
+
 bench: setup
 	$(BIN)/pytest -m bench -s -p no:randomly tests/bench
 
-# Bad input, extreme studies, full disks and spoilt bytes, by rule and at length: half an hour and
-# more. MINUTES=10 chooses how long bytes are spoilt at random.
+# Bad input, extreme studies, full disks, kills and spoilt bytes, by rule and at length: an hour and
+# more. MINUTES=10 chooses how long bytes are spoilt at random, KILLS=6 how often a command is killed.
 fuzz: setup
-	NUMBA_NUM_THREADS=1 $(BIN)/pytest -m fuzz -s -n 0 tests/faults
+	NUMBA_NUM_THREADS=1 $(BIN)/pytest -m fuzz -s -n 0 tests/faults tests/unit/campaign
 
 # Kernels count too: they run interpreted once, so that their lines are seen.
 coverage: setup
@@ -39,13 +68,19 @@ mutants: setup
 	$(BIN)/python tests/mutants/run.py $(MUTANTS)
 
 # A wheel and an sdist, checked, and the wheel used in an environment of its own.
-dist: setup
-	rm -rf build dist
-	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e ".[dist]"
-	$(BIN)/python -m build --outdir dist .
+dist: dist-check
+	$(PYTHON) tests/dist/use_wheel.py
+
+# The quick part of it: both are built and checked, and a command of the unpacked wheel writes a
+# study, which needs what the wheel must hold beside its modules.
+dist-check: setup
+	rm -rf dist build/lib build/bdist.* build/wheel
+	$(PIP) -c constraints.txt build check-wheel-contents twine
+	$(BIN)/python -m build --no-isolation --outdir dist .
 	$(BIN)/twine check --strict dist/*
 	$(BIN)/check-wheel-contents dist/*.whl
-	$(PYTHON) tests/dist/use_wheel.py
+	$(BIN)/python -m zipfile -e dist/*.whl build/wheel
+	cd build/wheel && $(CURDIR)/$(BIN)/python -m mptune.cli new crane
 
 format: setup
 	$(BIN)/ruff format .

@@ -112,7 +112,7 @@ if TYPE_CHECKING:
     from mptune.shape.structure import pid as pid_structure
     from mptune.shape.structure import position as position_structure
     from mptune.sim.judge import SetFigures
-    from mptune.sim.record import BrokenLimit, Energies, RunRecord
+    from mptune.sim.record import BrokenLimit, CommandedSpeed, Energies, RunRecord
     from mptune.sim.sampled import LinearMove, linear_moves
     from mptune.systems.outcome import Outcome
     from mptune.systems.result import CalibratedValue, SystemRun, SystemsResult
@@ -124,6 +124,7 @@ if TYPE_CHECKING:
     from mptune.tune.velocity import VelocityGain
     from mptune.verify.before_after import Change, Mark
     from mptune.verify.before_after import changes as machine_changes
+    from mptune.verify.beside import PapersFrame
     from mptune.verify.checks import machine_checks
     from mptune.verify.result import CaseResult, CaseStatus, VerifyResult
     from mptune.verify.verify import verify as verify_gains
@@ -192,7 +193,7 @@ _MODULES = {
         "pid_structure, position as position_structure"
     ),
     "sim.judge": "SetFigures",
-    "sim.record": "BrokenLimit, Energies, RunRecord",
+    "sim.record": "BrokenLimit, CommandedSpeed, Energies, RunRecord",
     "sim.sampled": "LinearMove, linear_moves",
     "systems.outcome": "Outcome",
     "systems.result": "CalibratedValue, SystemRun, SystemsResult",
@@ -204,6 +205,7 @@ _MODULES = {
     "tune.velocity": "VelocityGain",
     "verify.before_after": "Change, Mark, changes as machine_changes",
     "verify.checks": "machine_checks",
+    "verify.beside": "PapersFrame",
     "verify.result": "CaseResult, CaseStatus, VerifyResult",
     "verify.verify": "verify as verify_gains",
     "weigh.procedure": "Stage",
@@ -221,15 +223,16 @@ _HOMES = {
 __all__ = [
     "LEDGER", "PUBLISHED_GAINS", "Agreement", "Band", "Baseline", "Blocking", "Bound", "Box",
     "BoxStability", "BoxedLoop", "Bracket", "BrokenLimit", "CalibratedValue", "CampaignResult",
-    "CaseResult", "CaseStatus", "Certainty", "Certificates", "Change", "Check", "Concave",
+    "CaseResult", "CaseStatus", "Certainty", "Certificates", "Change", "Check", "CommandedSpeed",
+    "Concave",
     "Concession", "Condition", "Cone", "Design", "Difference", "Doubt", "Draw", "Energies",
     "Excitation", "Family", "FamilyLoops", "Fault", "Feedforward", "Figures", "Fit", "FitStatus",
     "ForceController", "ForceResponse", "FrequencyResponse", "Front", "FrontPoint", "Function",
     "Gains", "GainsFile", "Grounds", "Guarantee", "Headline", "IdentifyResult", "InputError",
     "Interval", "Iterate", "JobResult", "Judgement", "Limits", "Linear", "LinearModel",
     "LinearMove", "Link", "LoopGains", "Margins", "Mark", "Measured", "MeasurementPath", "Members",
-    "MptuneError", "NominalPlant", "Norm", "Outcome", "OutputError", "Panel", "Peak", "PeakVerdict",
-    "Plan", "PlantBox", "PlantPoint", "Plants", "Point", "Progress", "RationalPlant",
+    "MptuneError", "NominalPlant", "Norm", "Outcome", "OutputError", "Panel", "PapersFrame", "Peak",
+    "PeakVerdict", "Plan", "PlantBox", "PlantPoint", "Plants", "Point", "Progress", "RationalPlant",
     "Recommendation", "Relief", "ResolvedStudy", "Result", "Round", "RunRecord", "SetFigures",
     "ShapeStatus", "Shaped", "Sides", "Stability", "Stage", "Status", "Structure", "Study",
     "SweepResult", "SystemRun", "SystemsResult", "Trial", "TuneResult", "TuneStatus", "Use",

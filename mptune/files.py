@@ -7,12 +7,17 @@ full disk, a lost permission or an interrupt leaves the earlier file as it was.
 from __future__ import annotations
 
 import contextlib
+import glob
+import hashlib
 import os
+import platform
 import secrets
 import tempfile
 from pathlib import Path
 
 from mptune.errors import Fault, InputError, OutputError
+
+_MACHINE = hashlib.sha256(platform.node().encode()).hexdigest()[:8]
 
 
 def read_text(path: str | Path, remedy: str = "check the path") -> str:
@@ -71,6 +76,26 @@ def make_folder(path: str | Path) -> Path:
     return path
 
 
+def _clear_after_kills(path: Path) -> None:
+    """Remove what writers of a file have left half-written beside it that were killed at it."""
+    if os.name != "posix":  # elsewhere to ask for a process may end it
+        return
+    for left in path.parent.glob(f".{glob.escape(path.stem)}.{_MACHINE}-*.part*"):
+        owner = left.name.rpartition(f".{_MACHINE}-")[2].partition("-")[0]
+        if owner.isdecimal() and not _runs(int(owner)):
+            left.unlink(missing_ok=True)
+
+
+def _runs(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except (OSError, OverflowError):  # another user's, or none that there can be
+        return True
+    return True
+
+
 def write_whole(path: str | Path, content: bytes | str) -> Path:
     """Write a file whole or not at all.
 
@@ -82,9 +107,10 @@ def write_whole(path: str | Path, content: bytes | str) -> Path:
     data = content.encode("utf-8") if isinstance(content, str) else content
     path = Path(path)
     # Among machines that share a folder, and among threads, a process's number is not unique.
-    mark = f"{os.getpid()}-{secrets.token_hex(4)}"
+    mark = f"{_MACHINE}-{os.getpid()}-{secrets.token_hex(4)}"
     beside = path.with_name(f".{path.stem}.{mark}.part{path.suffix}")
     try:
+        _clear_after_kills(path)
         with beside.open("wb") as stream:
             stream.write(data)
             stream.flush()

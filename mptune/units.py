@@ -28,6 +28,7 @@ _MANY = 1e6  # units, beside which an offset does not cancel what tells them apa
 _TON = re.compile(r"\btons?\b")
 _SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 _PLAIN = str.maketrans("⁻⁺⁰¹²³⁴⁵⁶⁷⁸⁹", "-+0123456789")
+_FLOW_COEFFICIENT = "m^3/(s Pa^0.5)"
 _RAISED = re.compile(r"[⁻⁺]?[⁰¹²³⁴⁵⁶⁷⁸⁹]+")
 _TENS = re.compile(r"(?<=\d)\s*[·×]\s*10\^(?=[-+]?\d)")
 
@@ -55,7 +56,8 @@ def parse_quantity(text: str, unit: str) -> float:
     Parameters
     ----------
     text
-        A decimal number and a unit.
+        A decimal number and a unit. A flow coefficient may be a rated flow as well, as data sheets
+        state it: ``"10 l/min at 0.5 MPa"``.
     unit
         The SI unit wanted, e.g. ``"Pa"`` or ``"rad/s"``.
 
@@ -64,13 +66,17 @@ def parse_quantity(text: str, unit: str) -> float:
     UnitError
         If the text is no quantity, has another dimension, or is not finite.
     """
+    flow, at, drop = text.replace("@", " at ").partition(" at ")
+    if at and unit == _FLOW_COEFFICIENT:
+        return _rated_flow(flow, drop)
     match = _QUANTITY.fullmatch(_typed(text))
     if match is None:
         raise UnitError(
             "is not a number with a unit", f'write a number and a unit, like "1 {unit}"'
         )
     value = float(match["number"])
-    factor, offset = _conversion(match["unit"], unit)  # zero of a wrong unit is still wrong
+    written = re.sub(r"^/", "1/", match["unit"])  # a rate, as in "46.96/s"
+    factor, offset = _conversion(written, unit)  # zero of a wrong unit is still wrong
     if math.isfinite(value) and value != 0:
         # Multiplied as decimals, so that "12.2 ms" is the float 0.0122 and not its neighbour.
         value = float(Decimal(match["number"]) * factor + offset)
@@ -79,6 +85,14 @@ def parse_quantity(text: str, unit: str) -> float:
     if not math.isfinite(value):
         raise UnitError("is not a finite number", f"give a finite value in {unit}")
     return value
+
+
+def _rated_flow(flow: str, drop: str) -> float:
+    """Return K_v = Q/√Δp of a rated flow and the pressure drop that it was measured at."""
+    rated, pressure = parse_quantity(flow, "m^3/s"), parse_quantity(drop, "Pa")
+    if pressure <= 0:
+        raise UnitError("is rated at no pressure drop", 'write it like "10 l/min at 0.5 MPa"')
+    return rated / math.sqrt(pressure)  # Eq. 2, above the transition pressure
 
 
 def is_unit(text: str) -> bool:

@@ -7,12 +7,14 @@ import importlib.util
 import shutil
 import subprocess
 import sys
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from mptune.export.c_source import c_sources
+from mptune.export.constants import controller_numbers
 from mptune.export.formats import Precision
 from mptune.job.export import prepare
 from mptune.params.gains import GainsFile, now
@@ -68,9 +70,19 @@ def gains_of(study, **changes):
     return GainsFile.model_validate(values, context={"si": True})
 
 
-def write_sources(study, folder, precision=Precision.DOUBLE, **changes):
-    """Write the controller's C files and return the controller."""
-    controller = prepare(study, gains_of(study, **changes), precision)
+def renumbered(controller, study):
+    """Return a controller with the numbers of a study, and its verdict left: margins take long."""
+    own = study.study
+    numbers = controller_numbers(study, own.gains, own.feedforward, controller.numbers.precision)
+    return replace(controller, study=study, numbers=numbers)
+
+
+def write_sources(study, folder, precision=Precision.DOUBLE, like=None, **changes):
+    """Write the controller's C files and return the controller, its verdict that of another."""
+    if like is None:
+        controller = prepare(study, gains_of(study, **changes), precision)
+    else:
+        controller = renumbered(like, study)
     folder.mkdir(parents=True, exist_ok=True)
     for name, text in c_sources(controller).items():
         (folder / name).write_text(text, encoding="utf-8")

@@ -6,18 +6,23 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from mptune.campaign.scaled_moves import scaled
 from mptune.campaign.temperature import temperature_factors
 from mptune.errors import Fault, InputError
 from mptune.params.campaign import Campaign
+from mptune.params.machine import SensorTruth
+from mptune.params.pack import pack_sensors
 from mptune.sim.moves import moves_of
 from mptune.verify.verify import Case, check_delay, check_repeats, delays_of, rig_of
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
     from mptune.params.controller import Feedforward, Gains
-    from mptune.params.manoeuvre import Manoeuvre
     from mptune.params.study import ResolvedStudy
     from mptune.verify.verify import Rig
+
+
+_LINES = 0.5  # of ``lines``: from there on hoses are lines
 
 
 class Draw(NamedTuple):
@@ -30,6 +35,13 @@ class Draw(NamedTuple):
     friction: float
     temperature: float
     noise: float
+    lines: float
+    pressure_gain_error_a: float
+    pressure_gain_error_b: float
+    pressure_offset_a: float
+    pressure_offset_b: float
+    position_hysteresis: float
+    position_resolution: float
     distance: float
     duration: float
 
@@ -40,7 +52,7 @@ PARAMETER_UNITS = {
 
 
 class Box(NamedTuple):
-    """Least and largest value of every parameter, ``(9,)`` each, in the order of ``Draw``."""
+    """Least and largest value of every parameter, ``(16,)`` each, in the order of ``Draw``."""
 
     low: FloatArray
     high: FloatArray
@@ -65,7 +77,10 @@ def box_of(study: ResolvedStudy) -> Box:
         If the slowest valve is too slow, or the longest move leaves the stroke.
     """
     asked, loads = study.study.campaign, study.study.verification.load_forces
-    ranges = {
+    own = {key: getattr(study.study.sensors, key) for key, *_ in SensorTruth.quantities()}
+    own["lines"] = float(study.study.hose.dynamics)
+    ranges = {key: getattr(asked, key) or (value, value) for key, value in own.items()}
+    ranges |= {
         "mass": asked.mass or study.uncertainty.mass,
         "valve_delay": asked.valve_delay or study.study.valves.delay,
         "oil_bulk_modulus": asked.oil_bulk_modulus or study.study.oil.bulk_modulus,
@@ -109,7 +124,7 @@ def rig_of_draw(
         load_force=draw.load_force,
         seed=seed,
     )
-    rig = rig_of(study, case, gains, feedforward)
+    rig = rig_of(_with_hoses(study, draw), case, gains, feedforward)
     machine, signals = rig.machine, rig.signals
     machine = machine._replace(
         friction_coulomb=machine.friction_coulomb * draw.friction,
@@ -122,6 +137,7 @@ def rig_of_draw(
         position_noise=signals.position_noise * draw.noise,
         pressure_noise=signals.pressure_noise * draw.noise,
         converter_noise=signals.converter_noise * draw.noise,
+        sensors=pack_sensors(_sensors(draw)),
     )
     rig = rig._replace(machine=machine, signals=signals, delays=delays_of(study, case.valve_delay))
     if (draw.distance, draw.duration) != (1.0, 1.0):
@@ -130,17 +146,15 @@ def rig_of_draw(
     return case, rig
 
 
-def scaled(move: Manoeuvre, distance: float, duration: float) -> Manoeuvre:
-    """Return a manoeuvre with its length and time multiplied; its rest stays as it is."""
-    samples = tuple(
-        (time * duration, move.samples[0][1] + (place - move.samples[0][1]) * distance)
-        for time, place in move.samples
-    )
-    values = {
-        "distance": move.distance * distance,
-        "speed": move.speed * distance / duration,
-        "ramp": move.ramp * duration,
-        "duration": move.duration * duration,
-        "samples": samples,
-    }
-    return move.model_copy(update=values)
+def _sensors(draw: Draw) -> SensorTruth:
+    values = draw._asdict()
+    return SensorTruth.model_construct(**{key: values[key] for key, *_ in SensorTruth.quantities()})
+
+
+def _with_hoses(study: ResolvedStudy, draw: Draw) -> ResolvedStudy:
+    """Return the study with its hoses as lines, or as a part of their chambers."""
+    machine, lines = study.study, draw.lines >= _LINES
+    if machine.hose.dynamics == lines:
+        return study
+    hose = machine.hose.model_copy(update={"dynamics": lines})
+    return study.model_copy(update={"study": machine.model_copy(update={"hose": hose})})

@@ -37,7 +37,7 @@ class Plan(Summarised):
     box
         Ranges of the parameters.
     points
-        ``(R, 9)`` the parameters of every run, in the order of ``Draw``.
+        ``(R, 16)`` the parameters of every run, in the order of ``Draw``.
     """
 
     study: ResolvedStudy
@@ -115,7 +115,7 @@ def plan_campaign(
 
 
 def _unit_points(study: ResolvedStudy, box: Box) -> FloatArray:
-    """Return the runs' places inside the box, ``(R, 9)``, 0 where a parameter is fixed."""
+    """Return the runs' places inside the box, ``(R, 16)``, 0 where a parameter is fixed."""
     asked, places = study.study.campaign, box.varying
     if asked.method == "grid":
         return _grid(study, box)

@@ -29,7 +29,7 @@ if TYPE_CHECKING:
 
 QUANTILES = (0.0, 0.01, 0.05, 0.25, 0.5, 0.75, 0.95, 0.99, 1.0)
 _LISTED = 100  # failed runs by number; the file holds them all
-_KEY_UNITS = {"kg": "_kg", "s": "_s", "Pa": "_pa", "N": "_n", "K": "_k", "1": ""}
+_KEY_UNITS = {"kg": "_kg", "s": "_s", "Pa": "_pa", "N": "_n", "K": "_k", "m": "_m", "1": ""}
 
 
 @dataclass(frozen=True, repr=False)
@@ -41,7 +41,7 @@ class CampaignResult(Summarised, Drawn, Labelled):
     plan
         What was run; its ``points`` hold the parameters.
     figures
-        ``(R, 12)`` in the order of ``FIGURES``, §7's units; NaN where a run has none.
+        ``(R, 15)`` in the order of ``FIGURES``, §7's units; NaN where a run has none.
     status, reason
         ``(R,)`` how each closed loop behaved, and why a run failed (empty where it did not).
     """

@@ -42,7 +42,7 @@ class RunRows(NamedTuple):
     """Runs as they are stored."""
 
     number: list[int]
-    figures: FloatArray  # (b, 12) in the order of FIGURES; NaN where there are none
+    figures: FloatArray  # (b, 15) in the order of FIGURES; NaN where there are none
     status: list[str]
     reason: list[str]  # why a run failed; empty where it did not
 
@@ -87,7 +87,7 @@ def simulate_rows(
 
 
 def figures_of(case: CaseResult) -> FloatArray:
-    """Return a run's figures ``(11,)``."""
+    """Return a run's figures ``(15,)``."""
     return np.array([case.figure(name) for name in FIGURES], np.float64)
 
 

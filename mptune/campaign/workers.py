@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import os
 import re
 import signal
+import threading
+import time
 import warnings
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
@@ -15,6 +18,7 @@ if TYPE_CHECKING:
 
 _AHEAD = 2  # tasks per worker under way; more would wait outside joblib's own queue
 _CONNECT = 10.0  # s
+_GLANCE = 0.5  # s, between a worker's looks at whether the main process is still there
 _ADDRESS = re.compile(r"(?:(?:tcp|tls)://)?(?:\[[0-9a-fA-F:.]+\]|[\w.-]+):\d{1,5}", re.ASCII)
 
 
@@ -71,9 +75,8 @@ def _open(count: int | None, scheduler: str) -> Iterator[Workers]:
     from joblib import cpu_count
 
     if not scheduler:
-        yield Workers(
-            count or cpu_count(), {"backend": "loky", "initializer": _leave_interrupts_alone}
-        )
+        begun = {"backend": "loky", "initializer": _serve, "initargs": (os.getpid(),)}
+        yield Workers(count or cpu_count(), begun)
         return
     client = _connect(scheduler)
     try:
@@ -87,9 +90,21 @@ def _open(count: int | None, scheduler: str) -> Iterator[Workers]:
         client.close()
 
 
-def _leave_interrupts_alone() -> None:
-    """Let Ctrl-C, which a terminal sends to workers as well, be the main process's to answer."""
+def _serve(master: int) -> None:
+    """Make a worker of a new process, which ends with the main one.
+
+    Ctrl-C, which a terminal sends to workers as well, is the main process's to answer. Where that
+    is killed, nobody tells its workers, which would wait for tasks for ever.
+    """
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    if os.name == "posix":  # elsewhere a process keeps the number of a parent that has ended
+        threading.Thread(target=_end_with, args=(master,), daemon=True).start()
+
+
+def _end_with(master: int) -> None:
+    while os.getppid() == master:
+        time.sleep(_GLANCE)
+    os._exit(1)  # at once: there is nobody to hand anything to
 
 
 def _connect(scheduler: str) -> Any:

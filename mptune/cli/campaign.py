@@ -17,6 +17,7 @@ from mptune.cli.options import (
     SchedulerOption,
     SetOption,
     StudyArgument,
+    TimesOption,
     UncertaintyOption,
     WorkersOption,
     finish,
@@ -26,6 +27,9 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from mptune.campaign.plan import Plan
+    from mptune.params.judged_on import Difference
+
+    _Made = tuple[Plan, tuple[Difference, ...]]  # a campaign, and how its model differs
 
 
 def campaign(
@@ -56,6 +60,7 @@ def campaign(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Simulate many machines; conclude distributions, worst cases and guarantees."""
     from mptune.cli.show_campaign import needed
@@ -66,13 +71,13 @@ def campaign(
     if runs_for is not None:
         needed(*runs_for, json=json)
         return
-    plan = planned(load_study(study, override or (), uncertainty), gains, force=force)
+    made = planned(load_study(study, override or (), uncertainty), gains, force=force)
     if replay is not None:
-        _replay(plan, replay, out, json=json)
+        _replay(made, replay, out, json=json)
     team = {"count": workers, "scheduler": scheduler}
     if worst:
-        _worst(plan, worst, out, team, json=json, quiet=quiet)
-    _campaign(plan, out, team, resume=resume, json=json, quiet=quiet)
+        _worst(made, worst, out, team, json=json, quiet=quiet)
+    _campaign(made, out, team, resume=resume, json=json, quiet=quiet)
 
 
 def _check_one_task(tasks: dict[str, object]) -> None:
@@ -84,43 +89,52 @@ def _check_one_task(tasks: dict[str, object]) -> None:
         raise InputError("mptune campaign", fault)
 
 
-def _replay(plan: Plan, number: int, out: Path, *, json: bool) -> NoReturn:
+def _with(differs: tuple[Difference, ...], values: dict[str, Any]) -> dict[str, Any]:
+    return {**values, "differs": [one.json() for one in differs]}
+
+
+def _replay(made: _Made, number: int, out: Path, *, json: bool) -> NoReturn:
     from mptune.cli import show, show_campaign
     from mptune.job.campaign import replay_run
 
+    plan, differs = made
     case, reason, files = replay_run(plan, number, out)
     if json:
-        show.as_json(show_campaign.replay_json(plan, number, case, reason))
+        show.as_json(_with(differs, show_campaign.replay_json(plan, number, case, reason)))
     else:
+        show.elsewhere(differs)
         show_campaign.replayed(plan, number, case, reason)
         show.files(files)
     finish(met=not reason)
 
 
 def _worst(
-    plan: Plan, figure: str, out: Path, team: dict[str, Any], *, json: bool, quiet: bool
+    made: _Made, figure: str, out: Path, team: dict[str, Any], *, json: bool, quiet: bool
 ) -> NoReturn:
     from mptune.cli import show, show_campaign
     from mptune.cli.study import with_warnings
     from mptune.job.campaign import worst_machine
 
+    plan, differs = made
     with show.progress(quiet=quiet) as report:
         found, files = worst_machine(plan, figure, out, report, **team)
     if json:
-        show.as_json(with_warnings(found.json(), plan.study))
+        show.as_json(with_warnings(_with(differs, found.json()), plan.study))
     else:
+        show.elsewhere(differs)
         show_campaign.worst(found)
         show.files(files)
     finish(met=not found.reason)
 
 
 def _campaign(
-    plan: Plan, out: Path, team: dict[str, Any], *, resume: bool, json: bool, quiet: bool
+    made: _Made, out: Path, team: dict[str, Any], *, resume: bool, json: bool, quiet: bool
 ) -> NoReturn:
     from mptune.cli import show, show_campaign
     from mptune.cli.study import with_warnings
     from mptune.job.campaign import campaign_study
 
+    plan, differs = made
     try:
         with show_campaign.progress(plan.runs, quiet=quiet) as report:
             result, files = campaign_study(plan, out, report, resume=resume, **team)
@@ -128,8 +142,9 @@ def _campaign(
         sys.stderr.write("mptune: finished chunks are kept; go on with --resume\n")
         raise
     if json:
-        show.as_json(with_warnings(result.json(), plan.study))
+        show.as_json(with_warnings(_with(differs, result.json()), plan.study))
     else:
+        show.elsewhere(differs)
         show_campaign.campaign(result)
         show.files(files)
     finish(met=result.satisfied)

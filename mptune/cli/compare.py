@@ -10,6 +10,7 @@ from mptune.cli.options import (
     SetOption,
     SourcesArgument,
     StudyOption,
+    TimesOption,
     UncertaintyOption,
     finish,
 )
@@ -23,6 +24,7 @@ def compare(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Compare two or more gains files or studies in one table and one figure."""
     from mptune.cli import show

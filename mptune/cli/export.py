@@ -7,7 +7,16 @@ from typing import Annotated
 
 import typer
 
-from mptune.cli.options import OUT, JsonOption, OutOption, QuietOption, SetOption, a_path, finish
+from mptune.cli.options import (
+    OUT,
+    JsonOption,
+    OutOption,
+    QuietOption,
+    SetOption,
+    TimesOption,
+    a_path,
+    finish,
+)
 from mptune.export.formats import Precision, Target
 
 GainsArgument = Annotated[
@@ -18,12 +27,12 @@ StudyOption = Annotated[
     typer.Option(
         parser=a_path,
         metavar="FILE",
-        help="The study that the gains were made for; else studies/NAME/study.toml, beside "
-        "the gains, here or above.",
+        help="The study of the machine, with the controller that the gains were made for; else "
+        "studies/NAME/study.toml, beside the gains, here or above.",
     ),
 ]
 ToOption = Annotated[
-    Target, typer.Option(help="fmu: FMI 2.0 and 3.0; st: IEC 61131-3, outer loops and filters.")
+    Target, typer.Option(help="fmu: FMI 2.0 and 3.0; st: IEC 61131-3, all but the decision.")
 ]
 PrecisionOption = Annotated[Precision, typer.Option(help="Arithmetic of the target.")]
 DigitsOption = Annotated[
@@ -46,6 +55,7 @@ def export(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Write the controller for a target, its margins computed as written."""
     from mptune.cli import show

@@ -14,6 +14,7 @@ from mptune.cli.options import (
     QuietOption,
     SetOption,
     StudyArgument,
+    TimesOption,
     UncertaintyOption,
     finish,
 )
@@ -67,8 +68,9 @@ def identify(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
-    """Compare the force loop with its theory as in Fig. 3, or fit measured data."""
+    """Compare the simulated force loop with its theory (Fig. 3), or fit measured data."""
     channels = (input_channel, output_channel, time_channel, sample_time)
     settings = {"--period": period, "--skip": skip, "--segment": segment}
     if data or any(channels) or any(settings.values()) or any(band) or held:

@@ -9,6 +9,7 @@ Only typer is imported here, so that ``--help`` answers at once.
 from __future__ import annotations
 
 import errno
+import signal
 import sys
 from pathlib import Path
 from typing import Annotated
@@ -17,8 +18,10 @@ import typer
 
 from mptune.cli.campaign import campaign
 from mptune.cli.compare import compare
+from mptune.cli.explore import explore
 from mptune.cli.export import export
 from mptune.cli.identify import identify
+from mptune.cli.journey import Journey
 from mptune.cli.options import (
     OUT,
     ForceOption,
@@ -28,6 +31,7 @@ from mptune.cli.options import (
     QuietOption,
     SetOption,
     StudyArgument,
+    TimesOption,
     UncertaintyOption,
     a_path,
     finish,
@@ -42,11 +46,15 @@ from mptune.escaping import printable
 BAD_INPUT, UNFINISHED, INTERRUPTED = 2, 3, 130
 
 app = typer.Typer(
+    cls=Journey,
     no_args_is_help=True,
     context_settings={"help_option_names": ["-h", "--help"]},
     rich_markup_mode=None,
     pretty_exceptions_enable=False,
-    help="Robust tuning of hydraulic cylinders driven from several supply pressures.",
+    help="Robust tuning of hydraulic cylinders driven from several supply pressures.\n\n"
+    "Write a study with `new`; `run` does the whole job. Or go step by step: `sweep` judges gains, "
+    "`tune` finds better ones, `verify` proves them on the nonlinear machine, `export` hands them "
+    "to a controller. `mptune COMMAND --help` says more.",
 )
 
 
@@ -73,6 +81,7 @@ def sweep(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Draw and store both sides of both inequalities over the grid."""
     from mptune.cli import show
@@ -111,6 +120,7 @@ def verify(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Prove gains on the nonlinear machine."""
     from mptune.cli import show
@@ -137,6 +147,7 @@ app.command()(campaign)
 app.command()(export)
 app.command()(compare)
 app.command()(systems)
+app.command()(explore)
 
 
 @app.command()
@@ -145,12 +156,27 @@ def new(
     folder: Annotated[
         Path, typer.Option("--in", parser=a_path, metavar="DIR", help="Where studies live.")
     ] = Path("studies"),
+    quiet: QuietOption = False,
 ) -> None:
     """Write a study to start from."""
     from mptune.cli import show
     from mptune.params.template import write_template
 
-    show.files((write_template(folder, name),))
+    written = write_template(folder, name)
+    if not quiet:
+        show.files((written,))
+
+
+@app.command()
+def warm(quiet: QuietOption = False, _verbose: TimesOption = False) -> None:
+    """Compile all that a run needs, once, so that the first run is as fast as the next."""
+    from mptune.cli import show
+    from mptune.job.warm import warm as warm_kernels
+
+    with show.progress(quiet=quiet) as report:
+        folder = warm_kernels(report)
+    if not quiet:
+        show.say(f"kernels are kept in {folder}" if folder else "no folder for kernels: none kept")
 
 
 @app.command()
@@ -172,6 +198,8 @@ def main() -> None:
         rule = f"standard output could not be written ({reason}); what was to be printed is lost"
         code = _say(f"{rule}; free some space or print elsewhere", UNFINISHED)
     sys.stderr.flush()
+    # What is done is done: Python, while it takes itself apart, would die of an interrupt.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     sys.exit(code)
 
 

@@ -7,6 +7,8 @@ from typing import Annotated, NoReturn
 
 import typer
 
+from mptune.cli.stages import be_verbose
+
 _NOT_MET = 1
 
 
@@ -65,7 +67,16 @@ OutOption = Annotated[Path, typer.Option(parser=a_path, metavar="DIR", help="Fol
 JsonOption = Annotated[bool, typer.Option("--json", help="Print one JSON object, in SI.")]
 QuietOption = Annotated[bool, typer.Option("--quiet", "-q", help="No progress.")]
 
-VerboseOption = Annotated[bool, typer.Option("--verbose", "-v", help="All the details.")]
+VerboseOption = Annotated[
+    bool,
+    typer.Option(
+        "--verbose", "-v", callback=be_verbose, help="All the details, and each stage's time."
+    ),
+]
+TimesOption = Annotated[
+    bool,
+    typer.Option("--verbose", "-v", callback=be_verbose, help="Say how long each stage took."),
+]
 
 DataOption = Annotated[
     list[Path] | None,

@@ -12,10 +12,12 @@ from rich.progress import (
     SpinnerColumn,
     TextColumn,
     TimeElapsedColumn,
+    TimeRemainingColumn,
 )
 from rich.progress import Progress as Bars
 
 from mptune.cli.interrupt import interruptible
+from mptune.cli.stages import telling
 from mptune.cli.terminal import as_json, files, opening, say, show
 
 if TYPE_CHECKING:
@@ -29,7 +31,8 @@ if TYPE_CHECKING:
     from mptune.verify.result import VerifyResult
 
 __all__ = [
-    "as_json", "bars", "elsewhere", "files", "headline", "ledger", "progress", "sweep", "verified",
+    "as_json", "bars", "elsewhere", "files", "headline", "ledger", "progress", "say", "sweep",
+    "verified",
 ]  # fmt: skip
 
 _ROOM_FOR_A_BAR = 80  # columns; on fewer the numbers beside it would be cut
@@ -52,11 +55,16 @@ def bars(*columns: ProgressColumn, quiet: bool) -> Iterator[tuple[Callable[[], N
 @contextmanager
 def progress(*, quiet: bool) -> Iterator[Progress]:
     """Yield a function that takes a stage's name and the share of it that is done."""
-    with bars(TimeElapsedColumn(), quiet=quiet) as (check, made):
+    columns = TimeElapsedColumn(), TimeRemainingColumn()
+    with (
+        telling(quiet=quiet) as stages,
+        bars(*columns, quiet=quiet) as (check, made),
+    ):
         tasks: dict[str, Any] = {}
 
         def report(stage: str, share: float) -> None:
             check()
+            stages.take(stage, share)
             for known, task in tasks.items():
                 if known != stage:
                     made.update(task, total=1.0, completed=1.0)
@@ -102,10 +110,11 @@ def sweep(result: SweepResult, chain: tuple[Link, ...] = ()) -> None:
 def verified(result: VerifyResult) -> None:
     """Print each machine's figures and status."""
     from mptune.report.content.closed_loop import busiest_valve, machines
+    from mptune.report.content.commanded import commanded_speeds
     from mptune.report.content.front import standing
 
     opening([], standing(result.study))
-    show(machines(result))
+    show(*filter(None, (machines(result), commanded_speeds(result))))
     say(busiest_valve(result))
 
 

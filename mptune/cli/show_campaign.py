@@ -6,6 +6,7 @@ import math
 from contextlib import contextmanager
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
 from rich.progress import MofNCompleteColumn, ProgressColumn, TimeRemainingColumn
 from rich.text import Text
 
@@ -16,6 +17,7 @@ from mptune.campaign.simulate import FIGURES
 from mptune.cli.show import bars
 from mptune.cli.terminal import as_json, say, show
 from mptune.report.blocks import Column, Row, Tabular, left, right, verdict
+from mptune.sim.merit import OF_SPEEDS, merit
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
@@ -59,7 +61,9 @@ def campaign(result: CampaignResult) -> None:
     title = f"{result.plan.runs} runs ({result.plan.study.study.campaign.method})"
     columns = [*left("Figure"), *right(*(f"{100 * share:g} %" for share in _SHOWN), "Worst", "Run")]
     columns.append(Column("Goes most with (rank correlation)"))
-    show(Tabular(title, columns, [_distribution(result, figure) for figure in FIGURES]))
+    shown_figures = [figure for figure in FIGURES if _known(result, figure)]
+    show(Tabular(title, columns, [_distribution(result, figure) for figure in shown_figures]))
+    say(_drawn(result.plan))
     for reason, count in result.reasons().items():
         say(f"failed: {count} of {result.plan.runs}, {reason}")
     duty = 100 * result.plan.study.study.verification.duty
@@ -70,6 +74,22 @@ def campaign(result: CampaignResult) -> None:
     say(_guarantee(result))
     met = result.satisfied
     say(verdict("satisfied" if met else "violated", good=met))
+
+
+def _drawn(plan: Plan) -> str:
+    """Return the ranges that were drawn from."""
+    units, box = tuple(PARAMETER_UNITS.items()), plan.box
+    ranges = [
+        f"{units[place][0].replace('_', ' ')} "
+        + shown((float(box.low[place]), float(box.high[place])), units[place][1], ranged=True)
+        for place in box.varying
+    ]
+    return f"Drawn: {'; '.join(ranges) or 'nothing'}."
+
+
+def _known(result: CampaignResult, figure: str) -> bool:
+    """Return whether a figure is shown: those of commanded speeds only where a run has them."""
+    return merit(figure) not in OF_SPEEDS or bool(np.isfinite(result.column(figure)).any())
 
 
 def _distribution(result: CampaignResult, figure: str) -> Row:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from mptune.cli.show import elsewhere
 from mptune.cli.terminal import files, say, show
 from mptune.export.controller import WARNING
 from mptune.report.blocks import verdict
@@ -23,6 +24,7 @@ def exported(result: ExportResult) -> None:
         f"The files carry: {controller.word}; margins {controller.verdict}; closed loop on the "
         f"nonlinear machine {carried.closed_loop}. In the gains file: {carried.verdicts}."
     )
+    elsewhere(controller.differs)
     written, source = controller.margins.written.gains, controller.source.gains
     show(gains((written,), (source,), "In the gains file"), requirements(controller.margins.checks))
     if not result.files:

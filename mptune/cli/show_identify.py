@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.cli.terminal import say, show, verbatim
-from mptune.identify.fitted import Certainty
+from mptune.identify.ranges import spread_in_words
 from mptune.report.blocks import Row, Tabular, left, right, verdict
 from mptune.report.content.identification import agreement, counts
 from mptune.units import number
@@ -32,13 +32,14 @@ def measured(result: MeasuredResult) -> None:
             *(_interval(each) for each in (one.tau_a, one.tau_b, one.delay)),
             f"{100 * one.error:.2g} %",
             one.weakest,
-            verdict(one.certainty.value, good=one.certainty is Certainty.DETERMINED),
+            verdict(one.certainty.value, good=one.good),
         ]
         for one in result.fits
     ]
     columns = [*left("Response"), *right("τ_A [ms]", "τ_B [ms]", "Delay [ms]", "Error")]
     columns += left("Least known", "Verdict")
     show(Tabular("Eq. 11 with a dead time, fitted (95 % confidence)", columns, rows))
+    say(spread_in_words(result.fits))
     say("For the study, in the place of its own [uncertainty]:")
     verbatim(result.section)
 

@@ -10,6 +10,7 @@ from mptune.report.blocks import Tabular, verdict
 from mptune.report.content.closed_loop import machines, movement_sets
 from mptune.report.content.front import NOT_RUN, doubts, front_page, tuning
 from mptune.report.content.loops import factors_text, gain_factors
+from mptune.report.content.papers_frame import machine_table
 from mptune.verify.before_after import in_a_sentence
 
 if TYPE_CHECKING:
@@ -28,7 +29,9 @@ def summary(result: JobResult) -> None:
     said = judged.word is Headline.ON_PAPER and judged.witness is not None
     on_stderr = doubts(result.study)
     mind = [] if said else [one for one in page.warnings if one not in on_stderr]
-    for text in (factors_text(result.chain), run):
+    mind += result.left_out
+    frame = [result.papers_frame.brief] if result.papers_frame else []
+    for text in (factors_text(result.chain), run, *frame):
         say(text)
     for text in mind:
         say(verdict(text, good=False))
@@ -49,7 +52,12 @@ def details(result: JobResult) -> None:
     show(movement_sets(result.moves_before, result.moves))
     if result.verified:
         say(in_a_sentence(result.changes))
+        if result.papers_frame:
+            say(result.papers_frame.headline)
+            show(machine_table(result.papers_frame))
         show(machines(result.verified))
     else:
         say(NOT_RUN, "")
+    for text in result.left_out:
+        say(verdict(text, good=False))
     show(gain_factors(result.chain))

@@ -10,6 +10,7 @@ from mptune.cli.options import (
     QuietOption,
     SetOption,
     StudyArgument,
+    TimesOption,
     UncertaintyOption,
     finish,
 )
@@ -23,6 +24,7 @@ def systems(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Compare the machine with other actuators under the same load and moves."""
     from mptune.cli import show, show_systems
@@ -31,10 +33,11 @@ def systems(
 
     loaded = load_study(study, override or (), uncertainty)
     with show.progress(quiet=quiet) as report:
-        result, files = systems_study(loaded, out, report, gains)
+        compared = systems_study(loaded, out, report, gains)
     if json:
-        show.as_json(with_warnings(result.json(), loaded))
+        show.as_json(with_warnings(compared.json(), loaded))
     else:
-        show_systems.systems(result)
-        show.files(files)
-    finish(met=result.satisfied)
+        show.elsewhere(compared.differs)
+        show_systems.systems(compared.result)
+        show.files(compared.files)
+    finish(met=compared.result.satisfied)

@@ -79,11 +79,14 @@ def show(*blocks: Block, ruled: bool = False) -> None:
 
     ``ruled`` parts rows by lines, where their texts are long.
     """
-    for block in blocks:
-        if isinstance(block, Tabular):
+    for one in blocks:
+        if isinstance(one, Tabular):
+            block = one.filled()
             columns = [replace(one, text=_spelt(one.text)) for one in block.columns]
             console.print(Text(_spelt(block.title), "bold"))
             console.print(_table(columns, [[*map(_text, row)] for row in block.rows], ruled))
+            if block.legend:
+                console.print(Text(_spelt(block.legend), "dim"))
             console.print()
 
 

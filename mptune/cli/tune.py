@@ -13,6 +13,7 @@ from mptune.cli.options import (
     QuietOption,
     SetOption,
     StudyArgument,
+    TimesOption,
     UncertaintyOption,
     finish,
 )
@@ -35,6 +36,7 @@ def tune(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Find gains that satisfy the requirements."""
     from mptune.cli import show

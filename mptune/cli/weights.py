@@ -15,6 +15,7 @@ from mptune.cli.options import (
     SchedulerOption,
     SetOption,
     StudyArgument,
+    TimesOption,
     UncertaintyOption,
     WorkersOption,
     finish,
@@ -47,6 +48,7 @@ def weights(
     out: OutOption = OUT,
     json: JsonOption = False,
     quiet: QuietOption = False,
+    _verbose: TimesOption = False,
 ) -> None:
     """Search the force controller's weights: the order of §5.4, then beyond it."""
     from mptune.cli import show, show_weights

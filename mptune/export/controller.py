@@ -15,12 +15,14 @@ if TYPE_CHECKING:
     from mptune.export.margins import WrittenMargins
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.gains import GainsFile
+    from mptune.params.judged_on import Difference
     from mptune.params.study import ResolvedStudy
 
 WARNING = (
     "WARNING: the margins of these gains are NOT satisfied. They were exported on insistence",
     "(--force). Do not run a machine with them before you know why.",
 )
+_TOLD = 20  # differences, of however many a gains file may name
 
 
 @dataclass(frozen=True)
@@ -41,6 +43,9 @@ class TargetController:
         The requirements, checked for exactly these numbers.
     date
         When it was made, UTC.
+    differs
+        In what the study's model differs from the one that the gains were made for: the margins as
+        written hold for the study's, the closed loop's verdict for the other.
     """
 
     study: ResolvedStudy
@@ -50,6 +55,7 @@ class TargetController:
     numbers: Numbers
     margins: WrittenMargins
     date: str
+    differs: tuple[Difference, ...] = ()
 
     @property
     def trusted(self) -> bool:
@@ -116,6 +122,11 @@ class TargetController:
             found = number_beside(check.found, check.limit, 6)
             lines.append(f"  {check.label}: {found} ({check.limit}), {check.status}")
         lines += [f"closed loop on the nonlinear machine: {self.source.closed_loop}"]
+        if self.differs:
+            lines += ["", "That is the gains file's word, which was made for another model:"]
+            lines += [f"  {one.headline}" for one in self.differs[:_TOLD]]
+            if len(self.differs) > _TOLD:
+                lines.append(f"  and {len(self.differs) - _TOLD} keys more")
         lines += ["", "gains, SI:"]
         for section in (self.gains, self.feedforward):
             for key, unit, symbol, _ in section.quantities():

@@ -12,7 +12,7 @@ class Target(StrEnum):
     JSON = "json"
     C = "c"  # C99
     FMU = "fmu"  # FMI 2.0 and 3.0, co-simulation
-    ST = "st"  # IEC 61131-3, outer loops and filters
+    ST = "st"  # IEC 61131-3, all that makes F_ref
 
 
 class Precision(StrEnum):

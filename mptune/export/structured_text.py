@@ -1,4 +1,6 @@
-"""Outer loops and filters as IEC 61131-3 Structured Text: fixed blocks, the study's constants.
+"""Outer loops, filters and estimator as IEC 61131-3 Structured Text: fixed blocks, constants.
+
+The blocks hold all that makes F_ref; the decision on valve states is for C or a mock-up unit.
 
 The whole of a text compiles as it stands with compilers that keep to the standard's letter, matiec
 and with it OpenPLC: constants are global to a configuration, and every block that uses one says so
@@ -15,24 +17,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.errors import Fault, InputError
 from mptune.escaping import comment_text
 from mptune.export.formats import Precision
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
 
-    from mptune.export.constants import Numbers
+    from mptune.export.constants import Number, Numbers
     from mptune.export.controller import TargetController
 
 _TITLE = (
-    "Outer loops and filters of a multi-pressure hydraulic cylinder, written by mptune. "
+    "Outer loops, filters and state estimator of a multi-pressure hydraulic cylinder, written by "
+    "mptune. "
     "MPT_Measurement runs every T_S,fast, MPT_OuterLoops every T_S; MPT_Program does both in a "
     "task of T_S,fast. Where global variables have a list of their own, move the constants there "
     "and leave out the configuration."
 )
 _SECTIONS = ("outer_loops", "feedforward_lags", "state_estimator", "filters")
-_FILES = ("outer_loops.st", "program.st")
+_ALSO = ("area_a", "area_b")  # of the force controller's
+_FILES = ("estimator.st", "outer_loops.st", "program.st")
 _UNIT = re.compile(r"^(FUNCTION_BLOCK|PROGRAM) .*?^END_\1$", re.MULTILINE | re.DOTALL)
 _COMMENT = re.compile(r"\(\*.*?\*\)", re.DOTALL)
 _DECLARED = "END_VAR\n"
@@ -40,19 +43,11 @@ _TICKS = ("MPT_TICKS", "DINT")
 
 
 def structured_text(controller: TargetController) -> str:
-    """Return blocks, program and configuration; REAL where the precision is single.
-
-    Raises
-    ------
-    InputError
-        If the study has what the blocks do not hold: a state estimator, friction fed forward or a
-        mass that is learnt on line.
-    """
-    _check_held(controller)
+    """Return blocks, program and configuration; REAL where the precision is single."""
     numbers = controller.numbers
     folder = resources.files("mptune.export").joinpath("st")
     blocks = "\n".join(folder.joinpath(name).read_text("utf-8") for name in _FILES)
-    kinds = dict([*((f"MPT_{key.upper()}", "LREAL") for key in _keys(numbers)), _TICKS])
+    kinds = dict([*((f"MPT_{one.key.upper()}", "LREAL") for one in _held(numbers)), _TICKS])
     parts = (
         _comment(controller.heading(_TITLE)),
         _UNIT.sub(lambda unit: _with_externals(unit[0], kinds), blocks),
@@ -64,23 +59,10 @@ def structured_text(controller: TargetController) -> str:
     return text
 
 
-def _check_held(controller: TargetController) -> None:
-    for key in ("estimator_mass", "adaptive", "viscous_friction", "coulomb_friction"):
-        value = controller.numbers.value(key)
-        if value != 0:
-            raise InputError(
-                controller.study.name,
-                Fault(
-                    key,
-                    f"{value:g}",
-                    "is nothing that the Structured Text blocks hold",
-                    "export to C or as a function mock-up unit instead",
-                ),
-            )
-
-
-def _keys(numbers: Numbers) -> list[str]:
-    return [one.key for section in _SECTIONS for one in numbers.sections[section]]
+def _held(numbers: Numbers) -> list[Number]:
+    """Return the numbers that the blocks run with."""
+    held = [one for section in _SECTIONS for one in numbers.sections[section]]
+    return held + [one for one in numbers.sections["force_controller"] if one.key in _ALSO]
 
 
 def _with_externals(unit: str, kinds: dict[str, str]) -> str:
@@ -98,8 +80,7 @@ def _configuration(numbers: Numbers) -> str:
     constants = [
         f"MPT_{one.key.upper()} : LREAL := {_literal(one.value, single=single)}; "
         f"(* {one.unit if one.unit != '1' else '-'}, {one.meaning} *)"
-        for section in _SECTIONS
-        for one in numbers.sections[section]
+        for one in _held(numbers)
     ]
     name, kind = _TICKS
     constants.append(f"{name} : {kind} := {numbers.ticks}; (* -, T_S in T_S,fast *)")

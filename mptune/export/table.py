@@ -28,7 +28,7 @@ def as_toml(controller: TargetController) -> str:
         document.add(tomlkit.comment(comment_text(line)) if line else tomlkit.nl())
     document.add(FORMAT_KEY, CONTROLLER_FORMAT)
     document.add("provenance", tomlkit.item(printable_values(controller.provenance())))
-    document.add("verdict", tomlkit.item(_verdict(controller)))
+    document.add("verdict", tomlkit.item(printable_values(_verdict(controller))))
     for name, values in _sections(controller):
         table = tomlkit.table()
         for key, value, unit, meaning in values:
@@ -67,6 +67,7 @@ def _verdict(controller: TargetController) -> dict[str, Any]:
         "margins": controller.verdict,
         "margins_in_gains_file": controller.source.margins,
         "closed_loop": controller.source.closed_loop,
+        "differs": [one.json() for one in controller.differs],
         "forced": not controller.trusted,
         "requirements": requirements,
     }

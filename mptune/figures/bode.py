@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.figures.style import LIMIT, NOMINAL, WORST, band, legend_below, new_figure, style
+from mptune.figures.style import (
+    LIMIT,
+    MEASURED,
+    NOMINAL,
+    WORST,
+    band,
+    legend_below,
+    new_figure,
+    style,
+)
 from mptune.loops.broken import POSITION, VELOCITY
 from mptune.params.packed import NO_PATH
 from mptune.robust.curves import loop_curves
@@ -49,7 +58,7 @@ def _draw(magnitude: Axes, phase: Axes, result: SweepResult, which: int) -> None
             explicit = model.plant(condition.at, as_it_runs=True)
             measured = loop_curves(which, omega, model.as_it_runs(gains, explicit))
             dotted = {**WORST, "linestyle": ":"}
-            lines.append((measured, "worst plant, with measurement path", dotted))
+            lines.append((measured, f"worst plant, {MEASURED[model.paths[1]]}", dotted))
     for loop, label, look in lines:
         magnitude.plot(omega, _decibel(loop)[0], label=label, **look)
         phase.plot(omega, _degrees(loop)[0], label=label, **look)

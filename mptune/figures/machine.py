@@ -12,6 +12,7 @@ from mptune.sim import closed_loop as loop
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from mptune.params.controller import Feedforward
     from mptune.sim.record import RunRecord
     from mptune.verify.result import CaseResult
 
@@ -20,14 +21,24 @@ _DRAWN = 2000  # points per curve
 _SINGLE_FROM, _CROSSFLOW_FROM = 6.5, 12.5  # borders between the kinds of valve states
 
 
-def machine_traces(case: CaseResult) -> Figure:
-    """Draw position, error, velocity, pressures, force, its error, valve states and converters."""
+def machine_traces(case: CaseResult, feedforward: Feedforward | None = None) -> Figure:
+    """Draw position, error, velocity, pressures, force, its error, valve states and converters.
+
+    Parameters
+    ----------
+    case
+        The machine's verification.
+    feedforward
+        What was fed forward. Of a mass that is learnt on line the estimate is drawn too, beside the
+        machine's own, which a boom's table multiplies.
+    """
+    learns = feedforward is not None and feedforward.adaptive_mass
     record = case.record
     few = slice(None, None, max(len(case.traces) // _DRAWN, 1))
     time, trace = record.time[few], case.traces[few]
     with style():
         figure = new_figure(9.3)
-        axes = figure.subplots(9, 1, sharex=True)
+        axes = figure.subplots(10 if learns else 9, 1, sharex=True)
         _motion(axes[:3], record, few)
         _forces(axes[3:6], record, few)
         for one, column, side in ((axes[6], loop.STATE_A, "A"), (axes[7], loop.STATE_B, "B")):
@@ -39,7 +50,13 @@ def machine_traces(case: CaseResult) -> Figure:
             look = {"linewidth": 1.1, "color": _GREYS[i], "linestyle": dashes}
             place = 1e3 * trace[:, loop.CONVERTER_1 + i]
             axes[8].plot(time, place, label=f"converter {i + 1}", **look)
-        axes[8].set(ylabel="Converter\n[mm]", xlabel="Time [s]", xlim=(0, time[-1]))
+        axes[8].set(ylabel="Converter\n[mm]", xlim=(0, time[-1]))
+        if learns:
+            axes[9].plot(time, trace[:, loop.FED_MASS] / 1e3, **NOMINAL)
+            axes[9].axhline(case.mass_kg / 1e3, **REFERENCE)
+            axes[9].margins(y=0.2)
+            axes[9].set_ylabel("Learnt\nmass [t]")
+        axes[-1].set_xlabel("Time [s]")
         axes[0].set_title(
             f"{case.mass_kg / 1e3:g} t, oil {case.oil_bulk_modulus_pa / 1e6:g} MPa, "
             f"valve delay {_delays(case)} ms: {case.status.value}",

@@ -6,7 +6,16 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.figures.style import EDGE, LIMIT, NOMINAL, WORST, legend_below, new_figure, style
+from mptune.figures.style import (
+    EDGE,
+    LIMIT,
+    MEASURED,
+    NOMINAL,
+    WORST,
+    legend_below,
+    new_figure,
+    style,
+)
 from mptune.loops.broken import FORCE, VELOCITY
 from mptune.params.packed import NO_PATH
 from mptune.robust.curves import loop_curves
@@ -44,7 +53,9 @@ def nyquist_plots(result: SweepResult, counts: tuple[Encirclements, ...] = ()) -
 
 def _title(loop: int, counts: tuple[Encirclements, ...]) -> str:
     most = {one.path: one.most for one in counts if one.loop == loop}
-    return f"{_TITLES[loop]}: encirclements {most['none']}, with path {most['filters']}"
+    words = {"none": "{}", "filters": "with path {}", "estimator": "estimated {}"}
+    said = ", ".join(words[path].format(number) for path, number in most.items())
+    return f"{_TITLES[loop]}: encirclements {said}"
 
 
 def _draw(axes: Axes, result: SweepResult, loop: int) -> None:
@@ -60,7 +71,7 @@ def _draw(axes: Axes, result: SweepResult, loop: int) -> None:
     if at.response is None:
         looks = [(model.path, "worst plant", WORST)]
         if model.path == NO_PATH:
-            words = "worst plant, with measurement path"
+            words = f"worst plant, {MEASURED[model.paths[1]]}"
             looks.append((model.filters, words, {**WORST, "linestyle": ":"}))
         for path, label, look in looks:
             plant = model.plant(at, as_it_runs=path != NO_PATH)

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.figures.steps import family_and_nominal
 from mptune.figures.style import (
     BAND,
     EDGE,
@@ -21,14 +22,13 @@ from mptune.figures.style import (
 )
 from mptune.robust.curves import error_curves
 from mptune.robust.tables import EQUATIONS
-from mptune.sim.response import farthest, position_step, velocity_step
+from mptune.sim.running_steps import StepOf
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
     from mptune.arrays import FloatArray
-    from mptune.loops.family import FamilyLoops
     from mptune.params.packed import LoopGains, Plants
     from mptune.robust.result import Condition, SweepResult
 
@@ -94,11 +94,10 @@ def _draw_sides(
 
 def _draw_steps(axes: Axes, result: SweepResult, condition: Condition) -> None:
     model = result.model
-    family, nominal_loop = model.loops(result.gains), model.nominal_loop(result.gains)
-    horizon = step_horizon(family.gains, model.plants)[0 if condition.name == "velocity" else 1]
-    time = np.linspace(0, min(horizon, farthest(family), farthest(nominal_loop)), 401)
-    curves = _steps(family, condition.name, time)
-    nominal = _steps(nominal_loop, condition.name, time)
+    of = StepOf.VELOCITY if condition.name == "velocity" else StepOf.POSITION
+    horizon = step_horizon(model.loops(result.gains).gains, model.plants)[of]
+    time, *found = family_and_nominal(model, result.gains, of, horizon, 401)
+    curves, nominal = map(drawable, found)
     worst = int(np.argmax(np.abs(curves).max(axis=1)))
     band(axes, time, curves, "family")
     axes.plot(time, curves[worst], label="worst plant", **WORST)
@@ -115,11 +114,6 @@ def _draw_steps(axes: Axes, result: SweepResult, condition: Condition) -> None:
     axes.set_title(
         f"{condition.name.capitalize()} step: overshoot up to {overshoot:.0f} %", loc="left"
     )
-
-
-def _steps(loops: FamilyLoops, name: str, time: FloatArray) -> FloatArray:
-    found = velocity_step(loops, time) if name == "velocity" else position_step(loops, time)
-    return drawable(found)
 
 
 def step_horizon(gains: LoopGains, plants: Plants) -> tuple[float, float]:

@@ -6,8 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.figures.steps import family_and_nominal
 from mptune.figures.style import (
     LIMIT,
+    MEASURED,
     NOMINAL,
     REFERENCE,
     WORST,
@@ -20,7 +22,7 @@ from mptune.figures.style import (
 from mptune.loops.broken import FORCE, POSITION, VELOCITY
 from mptune.params.packed import NO_PATH
 from mptune.robust.curves import loop_curves
-from mptune.sim.response import farthest, load_step
+from mptune.sim.running_steps import StepOf
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -66,7 +68,7 @@ def _draw(above: Axes, below: Axes, result: SweepResult, loop: int) -> None:
         if model.path == NO_PATH:
             look = {**WORST, "linestyle": ":"}
             size = np.abs(less - measured)
-            axes.plot(omega, size, label="the same, with measurement path", **look)
+            axes.plot(omega, size, label=f"the same, {MEASURED[model.paths[1]]}", **look)
         axes.axhline(1, **{**LIMIT, "linewidth": 0.8})
         axes.set(xscale="log", yscale="log", ylim=(_FLOOR, _CEILING), xlim=(1.0, omega[-1]))
         axes.set_yticks([0.1, 1, 2, 5, 10], ["0.1", "1", "2", "5", "10"])
@@ -76,11 +78,10 @@ def _draw(above: Axes, below: Axes, result: SweepResult, loop: int) -> None:
 def load_response(result: SweepResult) -> Figure:
     """Draw the position after a load step over the family, per kilonewton."""
     model, gains = result.model, result.gains
-    loops = model.loops(gains), model.nominal_loop(gains)
-    packed = loops[0].gains
+    packed = model.loops(gains).gains
     slowest = max(packed.k_p_pos, packed.k_i_pos**0.5, packed.k_p_vel / model.nominal.mass / 100)
-    time = np.linspace(0, min(_LONGEST / slowest, *map(farthest, loops)), 301)
-    family, nominal = (drawable(1e6 * load_step(one, time)) for one in loops)  # mm/kN
+    time, *curves = family_and_nominal(model, gains, StepOf.LOAD, _LONGEST / slowest, 301)
+    family, nominal = (drawable(1e6 * one) for one in curves)  # mm/kN
     worst = int(np.argmax(np.abs(family).max(axis=1)))
     with style():
         figure = new_figure(2.5)

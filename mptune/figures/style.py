@@ -66,6 +66,10 @@ def style() -> Iterator[None]:
         yield
 
 
+MEASURED = {"filters": "with measurement path", "estimator": "with state estimator"}
+"""Words for what measures, by the name of its path."""
+
+
 def new_figure(height: float) -> Figure:
     """Return an empty figure as wide as a page's text; ``height`` in inches."""
     from matplotlib.figure import Figure

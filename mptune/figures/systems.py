@@ -20,11 +20,14 @@ _COLORS = (
     "#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", "#999999", "black",
 )  # fmt: skip
 _MARKERS = "osD^vP*X"
+_ROOM = 1.3  # times the largest index, where the next tick may stand
 _INDEX, _LOSS = merit("performance_index_ms"), merit("energy_loss_j_per_mm")
 
 
 def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
     """Draw every run: filled by its literature's gains, open by the best ones under one rule.
+
+    The machine of a study beside this one is filled by that study's own gains.
 
     Parameters
     ----------
@@ -48,8 +51,8 @@ def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
             for axes in panels:
                 if one.key in dict(systems):
                     axes.axhline(one.loss, color="#bbbbbb", linewidth=0.7, linestyle=":", zorder=0)
+        ticks = _ticks_among([one[_INDEX.key] for one in runs])
         for axes in panels:
-            ticks = [10, 20, 30, 50, 100, 200]
             axes.set_xticks(ticks, [str(tick) for tick in ticks])
             axes.minorticks_off()
         panels[0].set_ylabel(_LOSS.axis)
@@ -57,8 +60,15 @@ def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
     return figure
 
 
+def _ticks_among(values: Sequence[float]) -> list[int]:
+    """Return round numbers from just below the least of some values to just above the largest."""
+    room = (min(values, default=10) / _ROOM, max(values, default=100) * _ROOM)
+    steps = (factor * 10**decade for decade in range(5) for factor in (1, 2, 3, 5))
+    return [tick for tick in steps if room[0] <= tick <= room[1]]
+
+
 def _system(axes: Axes, runs: Sequence[dict[str, Any]], title: str, number: int) -> None:
-    """Draw one system: from its literature's controller to its best one."""
+    """Draw one system: from its literature's controller to its best one, as far as they stand."""
     look: dict[str, Any] = {
         "color": _COLORS[number % len(_COLORS)],
         "marker": _MARKERS[number % len(_MARKERS)],
@@ -67,7 +77,6 @@ def _system(axes: Axes, runs: Sequence[dict[str, Any]], title: str, number: int)
     loss = [one[_LOSS.key] for one in runs]
     axes.plot(index, loss, color=look["color"], linewidth=0.8)
     for one, x, y in zip(runs, index, loss, strict=True):
-        first = one["controller"] == "literature"
-        face = look["color"] if first else "white"
-        label = title if first else None
+        face = look["color"] if one["controller"] in {"literature", "its own"} else "white"
+        label = title if one is runs[0] else None
         axes.plot(x, y, markerfacecolor=face, linestyle="none", markersize=6, label=label, **look)

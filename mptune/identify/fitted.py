@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from mptune.arrays import FloatArray
 
 NAMES = ("tau_a", "tau_b", "delay")
+_WIDE = 3.0
 
 
 class Certainty(StrEnum):
@@ -63,6 +64,17 @@ class Fit(Summarised):
     error: float
     weakest: str
     certainty: Certainty
+
+    @property
+    def good(self) -> bool:
+        """Whether the intervals say enough.
+
+        Which lag is which side's may stay open, as no study needs it: then each interval holds both
+        orders, and its ends must be within a factor of three.
+        """
+        if self.certainty is Certainty.ORDER_UNKNOWN:
+            return all(one.high <= _WIDE * one.low for one in (self.tau_a, self.tau_b, self.delay))
+        return self.certainty is Certainty.DETERMINED
 
     @property
     def headline(self) -> str:

@@ -20,7 +20,12 @@ _LEAST_DELAY = 1e-6  # s: a study refuses none at all
 
 
 def fitted_ranges(fits: Sequence[Fit], held: float = 0.0) -> dict[str, Range]:
-    """Return the ranges of τ_A, τ_B and total delay over all fits, confidence included.
+    """Return the ranges of τ_A, τ_B and total delay that the fits speak for, confidence included.
+
+    The machine's spread is not a record's confidence. N machines drawn evenly from a range lie
+    inside it: it exceeds what they span by 1/(N − 1) of that at each end, on average. So much is
+    added; one record spans nothing, and its range holds for the one state of the machine that it
+    saw: it errs on the small side.
 
     Parameters
     ----------
@@ -35,7 +40,7 @@ def fitted_ranges(fits: Sequence[Fit], held: float = 0.0) -> dict[str, Range]:
     InputError
         If there is no fit that converged.
     """
-    usable = [one for one in fits if one.certainty is not Certainty.NOT_CONVERGED]
+    usable = _usable(fits)
     if not usable:
         fault = Fault("", "", "has no response that Eq. 11 could be fitted to", "check the data")
         raise InputError("fit", fault)
@@ -43,11 +48,37 @@ def fitted_ranges(fits: Sequence[Fit], held: float = 0.0) -> dict[str, Range]:
     for name in NAMES:
         intervals = [getattr(one, name) for one in usable]
         added = held if name == "delay" else 0.0
-        least = min(one.low for one in intervals) + added
-        if name == "delay":
-            least = max(least, _LEAST_DELAY)
-        ranges[name] = (least, max(one.high for one in intervals) + added)
+        values = [one.value for one in intervals]
+        beyond = (max(values) - min(values)) / max(len(values) - 1, 1)
+        least = min(one.low for one in intervals) - beyond + added
+        least = max(least, _LEAST_DELAY if name == "delay" else 0.0)
+        ranges[name] = (least, max(one.high for one in intervals) + beyond + added)
     return ranges
+
+
+def spread_in_words(fits: Sequence[Fit]) -> str:
+    """Return what the ranges of these fits stand for, and what they do not."""
+    count = len(_usable(fits))
+    if count == 1:
+        return (
+            "One record: the intervals say how well it is known, not how far the machine varies. "
+            "Record other positions, temperatures and loads, each with a --data of its own."
+        )
+    return (
+        f"{count} records: the ranges hold all intervals and, at each end, 1/{count - 1} of what "
+        "the records differ by, for the machine varies further than a few records show."
+    )
+
+
+def _basis(fits: Sequence[Fit]) -> str:
+    count = len(_usable(fits))
+    return (
+        f"of {count} records, widened" if count > 1 else "of one record: not the machine's spread"
+    )
+
+
+def _usable(fits: Sequence[Fit]) -> list[Fit]:
+    return [one for one in fits if one.certainty is not Certainty.NOT_CONVERGED]
 
 
 def uncertainty_section(
@@ -66,9 +97,14 @@ def uncertainty_section(
     for one in fits:
         section.add(
             tomlkit.comment(
-                comment_text(f"{one.name}: {one.certainty.value}; least known {one.weakest}")
+                comment_text(
+                    f"{one.name}: {one.certainty.value}; least known {one.weakest}".replace(
+                        "−", "-"
+                    )
+                )
             )
         )
+    section.add(tomlkit.comment(_basis(fits)))
     if held:
         section.add(tomlkit.comment(f"delay: with {1e3 * held:g} ms of the hold added"))
     section.add("mass", [f"{value!r} kg" for value in box.mass])

@@ -19,23 +19,32 @@ if TYPE_CHECKING:
     from mptune.campaign.adversary import WorstMachine
     from mptune.campaign.plan import Plan
     from mptune.campaign.result import CampaignResult
+    from mptune.params.judged_on import Difference
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
     from mptune.verify.result import CaseResult
 
 
-def planned(study: ResolvedStudy, gains: str | Path | None, *, force: bool = False) -> Plan:
+def planned(
+    study: ResolvedStudy, gains: str | Path | None, *, force: bool = False
+) -> tuple[Plan, tuple[Difference, ...]]:
     """Return a study's campaign with a gains file; with the study's own gains where None.
+
+    Returns
+    -------
+    tuple
+        The campaign, and what differs from the model that the file was made for.
 
     Raises
     ------
     InputError
-        If the file is not for this study, its margins are not satisfied and ``force`` is False, or
-        the campaign cannot be run.
+        If the file is of another controller, its margins are not satisfied and ``force`` is False,
+        or the campaign cannot be run.
     """
-    if gains:
-        study = accepted_gains(gains, study.hash(), force=force).put_over(study)
-    return plan_campaign(study)
+    if gains is None:
+        return plan_campaign(study), ()
+    file, differs = accepted_gains(study, gains, force=force)
+    return plan_campaign(file.put_over(study)), differs
 
 
 def campaign_study(
@@ -107,4 +116,5 @@ def _drawn(plan: Plan, case: CaseResult, out: str | Path, name: str) -> Path:
     from mptune.figures.style import to_svg
 
     folder = make_folder(Path(out) / plan.study.name)
-    return write_whole(folder / f"{name}.svg", to_svg(machine_traces(case)))
+    svg = to_svg(machine_traces(case, plan.feedforward))
+    return write_whole(folder / f"{name}.svg", svg)

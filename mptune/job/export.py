@@ -24,6 +24,7 @@ if TYPE_CHECKING:
     from collections.abc import Sequence
 
     from mptune.params.gains import GainsFile
+    from mptune.params.judged_on import Difference
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
 
@@ -57,6 +58,8 @@ class ExportResult:
             "verdict_reason": one.reason,
             "margins": one.verdict,
             "closed_loop": one.source.closed_loop,
+            "verdict_in_gains_file": one.source.verdict,
+            "differs": [each.json() for each in one.differs],
             "requirements": one.verdicts(),
             "broken_by_writing": [check.label for check in one.margins.broken],
             "gains": one.gains.model_dump(),
@@ -90,8 +93,8 @@ def export(
     out
         Folder for results; the files go into its folder named after the study.
     study, overrides
-        The study's file, searched for where None, and values to replace in it: the study must be
-        the one that the gains were made for.
+        The study's file, searched for where None, and values to replace in it. Its controller must
+        be the one that the gains were made for; what else differs is said in every file.
     precision
         Arithmetic of the target.
     digits
@@ -110,9 +113,9 @@ def export(
     """
     stated = read_gains(gains)
     loaded = load_study(study or find_study(gains, stated.study), overrides, stated.uncertainty)
-    source = accepted_gains(gains, loaded.hash(), force=force)
+    source, differs = accepted_gains(loaded, gains, force=force)
     progress("margins", 0.0)
-    controller = prepare(loaded, source, precision, digits)
+    controller = prepare(loaded, source, precision, digits, differs)
     if controller.margins.broken:
         return ExportResult(controller, ())
     if not controller.trusted and not force:
@@ -154,7 +157,11 @@ def find_study(gains: str | Path, name: str) -> Path:
 
 
 def prepare(
-    study: ResolvedStudy, source: GainsFile, precision: Precision, digits: int | None = None
+    study: ResolvedStudy,
+    source: GainsFile,
+    precision: Precision,
+    digits: int | None = None,
+    differs: tuple[Difference, ...] = (),
 ) -> TargetController:
     """Return the controller as it will be written, its margins computed for those very numbers."""
     study = source.put_over(study)
@@ -162,7 +169,7 @@ def prepare(
     feedforward = rounded_section(source.feedforward, digits)
     numbers = controller_numbers(study, gains, feedforward, precision)
     margins = written_margins(study, source.gains, written_gains(numbers, gains))
-    return TargetController(study, source, gains, feedforward, numbers, margins, now())
+    return TargetController(study, source, gains, feedforward, numbers, margins, now(), differs)
 
 
 def _write(controller: TargetController, to: Target, folder: Path) -> tuple[Path, ...]:

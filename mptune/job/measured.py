@@ -18,7 +18,6 @@ import numpy as np
 from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
 from mptune.identify.fit import fit
-from mptune.identify.fitted import Certainty
 from mptune.identify.ranges import fitted_ranges, uncertainty_section
 from mptune.identify.responses import read_response, write_response
 from mptune.identify.spectrum import periodic_response, welch_response
@@ -78,8 +77,8 @@ class MeasuredResult:
 
     @property
     def satisfied(self) -> bool:
-        """Whether every response determines its parameters."""
-        return all(one.certainty is Certainty.DETERMINED for one in self.fits)
+        """Whether every response is fitted well; its intervals hold both orders of τ_A and τ_B."""
+        return all(one.good for one in self.fits)
 
     def json(self) -> dict[str, Any]:
         """Return the result in SI, units in the keys."""

@@ -3,11 +3,12 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from mptune.job.leftovers import leftovers
 from mptune.report.content.closed_loop import machine_figure
 from mptune.report.results import Results
+from mptune.robust.encirclements import encirclements
 from mptune.robust.one_at_a_time import one_at_a_time
 
 if TYPE_CHECKING:
@@ -16,45 +17,75 @@ if TYPE_CHECKING:
 
     from mptune.job.result import JobResult
     from mptune.robust.encirclements import Encirclements
+    from mptune.robust.one_at_a_time import Influence
+    from mptune.robust.result import SweepResult
+    from mptune.sim.sampled import LinearMove
 
 
-def draw(result: JobResult, counts: tuple[Encirclements, ...]) -> tuple[dict[str, bytes], bytes]:
-    """Return the figures of a run as SVG, by name, and the four panels as PNG."""
+class LinearPart(NamedTuple):
+    """What the report shows of the linear models, ready before the machine has run.
+
+    Attributes
+    ----------
+    counts
+        Encirclements of the loops drawn.
+    influences
+        What drives each worst case.
+    figures
+        SVG by name.
+    picture
+        The four panels as PNG.
+    """
+
+    counts: tuple[Encirclements, ...]
+    influences: tuple[Influence, ...]
+    figures: dict[str, bytes]
+    picture: bytes
+
+
+def linear_part(swept: SweepResult, moves: tuple[LinearMove, ...]) -> LinearPart:
+    """Return what the report shows of the linear models.
+
+    It may be made in a thread beside the simulation, which runs none of the kernels that it uses:
+    those with threads of their own must not run twice at once.
+    """
     from mptune.figures.bode import bode_plots
     from mptune.figures.certificates import certified_worst_cases
-    from mptune.figures.chain import gain_chain
-    from mptune.figures.machine import machine_traces
     from mptune.figures.moves import move_traces
     from mptune.figures.nyquist import nyquist_plots
     from mptune.figures.panels import four_panels
     from mptune.figures.sensitivity import load_response, sensitivity_functions
     from mptune.figures.style import to_png, to_svg
 
-    swept = result.tuned.sweep
-    panels = four_panels(swept)
+    counts, panels = encirclements(swept), four_panels(swept)
     figures = {
         "panels": to_svg(panels),
         "bode": to_svg(bode_plots(swept)),
         "nyquist": to_svg(nyquist_plots(swept, counts)),
         "sensitivity": to_svg(sensitivity_functions(swept)),
         "load": to_svg(load_response(swept)),
-        "chain": to_svg(gain_chain(result.chain)),
-        "moves": to_svg(move_traces(result.moves)),
+        "moves": to_svg(move_traces(moves)),
     }
     if swept.certificates is not None:
         figures["certificates"] = to_svg(certified_worst_cases(swept))
+    return LinearPart(counts, one_at_a_time(swept), figures, to_png(panels))
+
+
+def draw(result: JobResult, linear: LinearPart) -> dict[str, bytes]:
+    """Return all the figures of a run as SVG, by name."""
+    from mptune.figures.chain import gain_chain
+    from mptune.figures.machine import machine_traces
+    from mptune.figures.style import to_svg
+
+    figures = {**linear.figures, "chain": to_svg(gain_chain(result.chain))}
+    fed = result.verified.feedforward if result.verified else None
     for case in result.verified.worst_per_mass() if result.verified else ():
-        figures[machine_figure(case.mass_kg)] = to_svg(machine_traces(case))
-    return figures, to_png(panels)
+        figures[machine_figure(case.mass_kg)] = to_svg(machine_traces(case, fed))
+    return figures
 
 
-def report(
-    out: Path,
-    result: JobResult,
-    counts: tuple[Encirclements, ...],
-    figures: Mapping[str, bytes],
-) -> tuple[Path, Path]:
-    """Write the report, with what other commands have left in the study's folder.
+def report(out: Path, results: Results, figures: Mapping[str, bytes]) -> tuple[Path, Path]:
+    """Write the report of what ``results_of`` a run has gathered, figures left behind included.
 
     Raises
     ------
@@ -63,17 +94,16 @@ def report(
     """
     from mptune.report.document import write_report
 
-    results = results_of(out, result, counts)
     drawn = {**figures, **(results.leftovers.figures or {})}
-    return write_report(out / result.study.name, results, drawn)
+    return write_report(out / results.study.name, results, drawn)
 
 
-def results_of(out: Path, result: JobResult, counts: tuple[Encirclements, ...]) -> Results:
-    """Return what the report of a run shows."""
+def results_of(out: Path, result: JobResult, linear: LinearPart) -> Results:
+    """Return what the report of a run shows, with what other commands have left in the folder."""
     return replace(
         found_by(result),
-        encirclements=counts,
-        influences=one_at_a_time(result.tuned.sweep),
+        encirclements=linear.counts,
+        influences=linear.influences,
         leftovers=leftovers(out / result.study.name, result.study),
     )
 
@@ -93,4 +123,5 @@ def found_by(result: JobResult) -> Results:
         chain=result.chain,
         judgement=result.judgement,
         changes=result.changes,
+        papers_frame=result.papers_frame,
     )

@@ -22,6 +22,7 @@ if TYPE_CHECKING:
     from mptune.tune.baselines import Baseline
     from mptune.tune.result import TuneResult
     from mptune.verify.before_after import Change
+    from mptune.verify.beside import PapersFrame
     from mptune.verify.result import VerifyResult
 
 
@@ -51,6 +52,10 @@ class JobResult(Summarised, Drawn):
         P, PI and PID tuned alike; empty where not asked for.
     files
         What was written.
+    left_out
+        What stood in the folder for the report and could not be used, and why, in sentences.
+    papers_frame
+        What tuning in the paper's own frame alone comes to; None where not asked for or not run.
     """
 
     drawings: ClassVar[Mapping[str, str]] = {"gains": "mptune.figures.compare:compared_gains"}
@@ -67,6 +72,8 @@ class JobResult(Summarised, Drawn):
     changes: tuple[Change, ...] = ()
     compared: tuple[Baseline, ...] = ()
     files: tuple[Path, ...] = ()
+    left_out: tuple[str, ...] = ()
+    papers_frame: PapersFrame | None = None
 
     @property
     def satisfied(self) -> bool:
@@ -94,9 +101,11 @@ class JobResult(Summarised, Drawn):
             "verify_before": before.json() if before else None,
             "changes": [one.json() for one in self.changes],
             "summary": in_a_sentence(self.changes),
+            "papers_frame": self.papers_frame.json() if self.papers_frame else None,
             "chain": [link.json() for link in self.chain],
             "satisfied": self.satisfied,
             "files": [str(path) for path in self.files],
+            "left_out": list(self.left_out),
         }
         if self.compared:
             values["compared"] = [one.json() for one in self.compared]

@@ -10,12 +10,17 @@
     <out>/<study>/traces.nc     the nonlinear machine's last movement set, per mass
     <out>/<study>/*.svg         the figures, the chain of gain factors among them
 
+A run is not resumed: all that it finds follows from study and version, and takes about a minute.
+Half of it is the tuner's search, whose result is more than ``gains.toml`` holds, the other half the
+machine, whose traces are; kept beside, both would have to be bound to the program's every line.
+
 With the comparison asked for, ``comparison.json`` and ``controllers.svg`` as well; the report shows
 whatever other commands have left in the folder for the same model.
 """
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -23,14 +28,14 @@ from typing import TYPE_CHECKING
 from mptune.claim import claimed
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
-from mptune.job.report import draw, report
+from mptune.job.papers_frame import papers_frame
+from mptune.job.report import draw, linear_part, report, results_of
 from mptune.job.result import JobResult
 from mptune.job.tune import compared_files
 from mptune.params.gains import read_gains, write_gains
 from mptune.params.headline import Headline
 from mptune.progress import silent
 from mptune.robust.chain import chain, other_reading
-from mptune.robust.encirclements import encirclements
 from mptune.robust.headline import judge
 from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep, with_radii
@@ -45,13 +50,16 @@ from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
 
 if TYPE_CHECKING:
+    from concurrent.futures import Future
+
+    from mptune.job.report import LinearPart
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
     from mptune.verify.result import VerifyResult
 
 STAGES = (
     *("sweep", "tune", "linear check", "chain", "verify", "verify own"),
-    *("compare", "figures", "report"),
+    *("paper's frame", "compare", "figures", "report"),
 )
 _WORTH_RUNNING = {Headline.MET, Headline.ON_PAPER}
 
@@ -87,32 +95,42 @@ def run(
     """
     out = Path(out)
     folder = make_folder(out / study.name)
-    with claimed(folder, "run", "a run of the whole job"):
-        result = _judged(study, folder, progress)
+    with (
+        claimed(folder, "run", "a run of the whole job"),
+        ThreadPoolExecutor(1, "drawing") as drawing,
+    ):
+        result, linear = _judged(study, folder, progress, drawing)
         if compare:
             progress("compare", 0.0)
             compared = baselines(study, result.tuned, progress)
             more = compared_files(folder, study, compared)
             result = replace(result, compared=compared, files=(*result.files, *more))
-        return _handed_over(result, out, folder, progress)
+        progress("figures", 0.0)
+        return _handed_over(result, linear.result(), out, folder, progress)
 
 
-def _handed_over(result: JobResult, out: Path, folder: Path, progress: Progress) -> JobResult:
-    """Draw a result, write its report, and name all that was written."""
-    progress("figures", 0.0)
-    counts = encirclements(result.tuned.sweep)
-    figures, picture = draw(result, counts)
+def _handed_over(
+    result: JobResult, linear: LinearPart, out: Path, folder: Path, progress: Progress
+) -> JobResult:
+    """Draw what is not drawn yet of a result, write its report, and name all that was written."""
+    figures = draw(result, linear)
     files = [*result.files]
     files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
-    files.append(write_whole(out / f"{result.study.name}.png", picture))
+    files.append(write_whole(out / f"{result.study.name}.png", linear.picture))
     progress("report", 0.0)
-    files += report(out, result, counts, figures)
+    results = results_of(out, result, linear)
+    files += report(out, results, figures)
     progress("report", 1.0)
-    return replace(result, files=tuple(files))
+    return replace(result, files=tuple(files), left_out=results.leftovers.left_out)
 
 
-def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult:
-    """Tune, judge on every model, and write sweep, gains and traces."""
+def _judged(
+    study: ResolvedStudy, folder: Path, progress: Progress, drawing: ThreadPoolExecutor
+) -> tuple[JobResult, Future[LinearPart]]:
+    """Tune, judge on every model, and write sweep, gains and traces.
+
+    What is known before the machine runs is drawn beside it.
+    """
     with precompiling() as simulator_ready:
         progress("sweep", 0.0)
         published = sweep(study)
@@ -131,7 +149,12 @@ def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult
     linear = gains_file(tuned.sweep, tuned.feedforward, moves, None, judgement)
     exported = write_gains(folder / "gains.toml", linear)
     files = [write_sweep(folder / "sweep.nc", tuned.sweep), exported]
+    lumped = other_reading(tuned.sweep)
+    linear_drawn = drawing.submit(linear_part, tuned.sweep, moves)
     verified, before = _verified(study, exported, progress) if runs else (None, None)
+    frame = None
+    if before is not None and study.study.verification.papers_frame:
+        frame = papers_frame(study, before, progress)
     if verified is not None:
         progress("chain", 0.0)
         machine = machine_gain_limit(
@@ -142,7 +165,7 @@ def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult
         whole = gains_file(tuned.sweep, tuned.feedforward, moves, verified, judgement)
         write_gains(exported, whole)
         files.append(write_traces(folder / "traces.nc", verified))
-    return JobResult(
+    result = JobResult(
         study=study,
         published=published,
         tuned=tuned,
@@ -150,11 +173,13 @@ def _judged(study: ResolvedStudy, folder: Path, progress: Progress) -> JobResult
         moves_before=moves_before,
         verified=verified,
         verified_before=before,
-        chain=(*links, *other_reading(tuned.sweep)),
+        chain=(*links, *lumped),
         judgement=judgement,
         changes=changes(before, verified) if before and verified else (),
+        papers_frame=frame,
         files=tuple(files),
     )
+    return result, linear_drawn
 
 
 def _verified(

@@ -1,16 +1,23 @@
-"""The paper's comparison on the study's own load: every system, a table, a figure."""
+"""The paper's comparison on the study's own load: every system, a table, a figure.
+
+It takes minutes and is not kept in parts: once interrupted it leaves nothing, and starts anew.
+"""
 
 from __future__ import annotations
 
+from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
+from mptune.job.beside import studies_beside
 from mptune.job.leftovers import keep
-from mptune.params.gains import read_gains
+from mptune.params.beside import on_the_load_of
+from mptune.params.gains import gains_for
 from mptune.progress import silent
 from mptune.systems.compare import contest
-from mptune.systems.contender import LITERATURE, Contender, Tuned, contenders, gains_text
+from mptune.systems.contender import ITS_OWN, LITERATURE, Contender, Tuned, contenders, gains_text
 from mptune.systems.eq22 import cascade_gains, pid_gains
 from mptune.systems.outcome import Outcome
 from mptune.verify.verify import Case, run_case
@@ -19,6 +26,7 @@ if TYPE_CHECKING:
     from collections.abc import Iterator
 
     from mptune.params.controller import Feedforward, Gains
+    from mptune.params.judged_on import Difference
     from mptune.params.study import ResolvedStudy
     from mptune.params.systems import SteadyState
     from mptune.progress import Progress
@@ -29,12 +37,35 @@ THIS_MACHINE = "this machine"
 _BOUNDARY = "p_HP·Q_HP out of the accumulator; what flows into the tank line is lost (§7.1)"
 
 
+@dataclass(frozen=True)
+class ComparedSystems:
+    """The comparison, and what was left of it.
+
+    Attributes
+    ----------
+    result
+        What was found.
+    differs
+        In what the model differs from the one that a gains file was made for.
+    files
+        What was written.
+    """
+
+    result: SystemsResult
+    differs: tuple[Difference, ...]
+    files: tuple[Path, ...]
+
+    def json(self) -> dict[str, Any]:
+        """Return the runs, the calibrated values, and what differs."""
+        return {**self.result.json(), "differs": [one.json() for one in self.differs]}
+
+
 def systems_study(
     study: ResolvedStudy,
     out: str | Path,
     progress: Progress = silent,
     gains: str | Path | None = None,
-) -> tuple[SystemsResult, tuple[Path, ...]]:
+) -> ComparedSystems:
     """Compare the study's machine with other systems; draw it, and leave it for the report.
 
     Parameters
@@ -46,18 +77,19 @@ def systems_study(
     progress
         See ``compare_systems``.
     gains
-        A gains file; the tuner finds gains where there is none.
+        A gains file, made for any model with this study's controller; the tuner finds gains where
+        there is none.
 
     Raises
     ------
     InputError
-        If the gains belong to another model.
+        If the gains are of another controller, or a study beside this one cannot be compared.
     """
     from mptune.figures.style import to_svg
     from mptune.figures.systems import loss_over_index
 
+    file, differs = (None, ()) if gains is None else gains_for(study, gains)
     folder = make_folder(Path(out) / study.name)
-    file = None if gains is None else read_gains(gains, study.hash())
     if file is None:
         result = compare_systems(study, progress=progress)
     else:
@@ -68,7 +100,7 @@ def systems_study(
         write_whole(folder / "systems.svg", to_svg(loss_over_index(result.rows()))),
         keep(folder, "systems", study, result.rows()),
     )
-    return result, files
+    return ComparedSystems(result, differs, files)
 
 
 def compare_systems(
@@ -80,7 +112,8 @@ def compare_systems(
     """Compare the study's machine with the systems of its ``[systems]``.
 
     Each is run with its literature's controller and with the best one by a common rule, on every
-    mass of ``[verification]``; what was calibrated is varied.
+    mass of ``[verification]``; what was calibrated is varied. So is the machine of each study that
+    ``[systems]`` names beside this one, with its own gains and its own tuner's.
 
     Parameters
     ----------
@@ -92,18 +125,35 @@ def compare_systems(
     progress
         Told of the stages ``"tune"``, ``"best controllers"``, ``"systems"`` and ``"calibrated
         values"``.
+
+    Raises
+    ------
+    InputError
+        If a study beside this one cannot be read, its machine cannot make these moves, or none of
+        the moves is to a place.
     """
     from mptune.tune.tuner import tune
 
+    if all(move.kind == "velocity" for move in study.study.manoeuvre):
+        rule, remedy = "has no move to a place, whose index is compared", 'add kind = "quintic"'
+        raise InputError(study.name, Fault("manoeuvre", "velocity", rule, remedy))
+    others = studies_beside(study)
     if gains is None:
         tuned = tune(study, progress)
         study, gains, feedforward = tuned.sweep.study, tuned.gains, tuned.feedforward
     ahead = feedforward or study.study.feedforward
+    neighbours: list[Contender] = []
+    for other in others:
+        theirs = tune(other, progress)  # on its own model, by its own requirements
+        key, best = f"beside_{len(neighbours) + 1}", theirs.sweep.study
+        neighbours.append(neighbour(key, study, (other, best), theirs.gains, theirs.feedforward))
     return contest(
         study,
-        lambda one: (*contenders(one, gains, ahead), *this_machine(one, gains, ahead)),
+        lambda one: (
+            *contenders(one, gains, ahead), *this_machine(one, gains, ahead), *neighbours,
+        ),
         progress,
-    )
+    )  # fmt: skip
 
 
 def this_machine(study: ResolvedStudy, tuned: Gains, ahead: Feedforward) -> Iterator[Contender]:
@@ -132,6 +182,38 @@ def this_machine(study: ResolvedStudy, tuned: Gains, ahead: Feedforward) -> Iter
         under = _under(settled, LITERATURE, own, none)
         other = _under(settled, "tuned", tuned, ahead)
         yield Contender("steady_state", "this machine, steady state", _BOUNDARY, under, (other,))
+
+
+def neighbour(
+    key: str,
+    study: ResolvedStudy,
+    others: tuple[ResolvedStudy, ResolvedStudy],
+    tuned: Gains,
+    ahead: Feedforward,
+) -> Contender:
+    """Return another study's machine under a study's load and moves.
+
+    Parameters
+    ----------
+    key
+        Its key in the comparison.
+    study
+        Whose load and moves.
+    others
+        Whose machine, controller and own gains; the same around the tuner's state estimator.
+    tuned, ahead
+        The gains and the feed-forward of the other's tuner, which the common rule may choose.
+
+    Raises
+    ------
+    InputError
+        If the other's machine cannot make these moves.
+    """
+    other = others[0]
+    moved, around = (on_the_load_of(study, one) for one in others)
+    own = _under(moved, ITS_OWN, other.study.gains, other.study.feedforward)
+    best = _under(around, "tuned", tuned, ahead)
+    return Contender(key, f"study {other.name}", _BOUNDARY, own, (best,))
 
 
 def _on_settled_pressures(study: ResolvedStudy, weights: SteadyState) -> ResolvedStudy:

@@ -102,6 +102,6 @@ def verify_study(
         files.append(write_gains(folder / "gains-verified.toml", copy))
     progress("figures", 0.0)
     for case in verified.worst_per_mass():
-        svg = to_svg(machine_traces(case))
+        svg = to_svg(machine_traces(case, verified.feedforward))
         files.append(write_whole(folder / f"{machine_figure(case.mass_kg)}.svg", svg))
     return VerifiedStudy(verified, links, judgement, differs, tuple(files))

@@ -71,6 +71,30 @@ class Campaign(Section):
     noise: Range = quantity(
         "1", "s_n", "factor of every sensor's noise", (1.0, 1.0), at_least=0, at_most=1e6
     )
+    lines: Range | None = quantity(
+        "1", "s_L", "hoses are lines with inertia where it is 0.5 or more; [0, 1] draws both", None,
+        at_least=0, at_most=1,
+    )  # fmt: skip
+    pressure_gain_error_a: Range | None = quantity(
+        "1", "ε_A", "relative gain error of side A's pressure sensor", None,
+        at_least=-0.9, at_most=9,
+    )  # fmt: skip
+    pressure_gain_error_b: Range | None = quantity(
+        "1", "ε_B", "relative gain error of side B's pressure sensor", None,
+        at_least=-0.9, at_most=9,
+    )  # fmt: skip
+    pressure_offset_a: Range | None = quantity(
+        "Pa", "o_A", "offset of side A's pressure sensor", None, at_least=-1e8, at_most=1e8
+    )
+    pressure_offset_b: Range | None = quantity(
+        "Pa", "o_B", "offset of side B's pressure sensor", None, at_least=-1e8, at_most=1e8
+    )
+    position_hysteresis: Range | None = quantity(
+        "m", "h_x", "hysteresis of the position sensor", None, at_least=0, at_most=1
+    )
+    position_resolution: Range | None = quantity(
+        "m", "q_x", "resolution of the position sensor; 0 for none", None, at_least=0, at_most=1
+    )
     distance: Range = quantity(
         "1", "s_A", "factor of every move's length", (1.0, 1.0), at_least=1e-6, at_most=1e3
     )

@@ -67,6 +67,10 @@ def _moves_and_ticks(resolved: ResolvedStudy) -> Iterator[Fault]:
     elif ticks * cases * asked.repeats > _MOST_TICKS:
         rule = f"makes {ticks * cases * asked.repeats:.2g} ticks, {_MOST_TICKS:.0e} at most"
         yield Fault("verification.repeats", str(asked.repeats), rule, "repeat less often")
+    beside = ticks * len(asked.masses) * study.systems.repeats
+    if beside > _MOST_TICKS:
+        rule = f"makes {beside:.2g} ticks for each system, {_MOST_TICKS:.0e} at most"
+        yield Fault("systems.repeats", str(study.systems.repeats), rule, "repeat less often")
 
 
 def _delays(resolved: ResolvedStudy) -> Iterator[Fault]:

@@ -232,14 +232,21 @@ def accept_margins(path: str | Path, gains: GainsFile, *, force: bool = False) -
         raise InputError(path, fault)
 
 
-def accepted_gains(path: str | Path, study_hash: str, *, force: bool = False) -> GainsFile:
-    """Read a gains file as a controller does: of this model, with satisfied margins unless told.
+def accepted_gains(
+    study: ResolvedStudy, path: str | Path, *, force: bool = False
+) -> tuple[GainsFile, tuple[Difference, ...]]:
+    """Read a gains file as a controller does: with satisfied margins unless told.
+
+    Returns
+    -------
+    tuple
+        The file, and what differs from the model that it was made for.
 
     Raises
     ------
     InputError
-        As ``read_gains``, and where the margins are not satisfied and ``force`` is False.
+        As ``gains_for``, and where the margins are not satisfied and ``force`` is False.
     """
-    gains = read_gains(path, study_hash)
+    gains, differs = gains_for(study, path)
     accept_margins(path, gains, force=force)
-    return gains
+    return gains, differs

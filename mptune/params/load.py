@@ -14,6 +14,7 @@ from pydantic import BaseModel, ValidationError
 from mptune.errors import Fault, InputError
 from mptune.escaping import file_name
 from mptune.files import read_text
+from mptune.params.beside import name_beside
 from mptune.params.coherence import doubts_of, refusals_of
 from mptune.params.extent import faults_of_extent
 from mptune.params.format import FORMAT_KEY, STUDY_FORMAT
@@ -69,6 +70,7 @@ def load_study(
     read_references(layers)
     read_load_table(layers)
     read_measured(layers)
+    name_beside(layers)
     try:
         study = Study.model_validate(layers.values)
     except ValidationError as error:

@@ -190,6 +190,10 @@ class Verification(Section):
         "1", "seed", "seeds of the random numbers", (1,), at_least=0, at_most=2**63 - 1
     )
     repeats: int = quantity("1", "n", "movement sets per case", 1, at_least=1, at_most=100_000)
+    papers_frame: bool = Field(
+        default=False,
+        description="whether run tunes in the paper's own frame as well, for comparison",
+    )
     duty: float = quantity(
         "1", "η", "share of the year in which the machine does these moves", 0.1,
         above=0, at_most=1,

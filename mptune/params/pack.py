@@ -18,7 +18,7 @@ from mptune.params.packed import (
     Machine,
     MeasurementPath,
     NominalPlant,
-    Sensors,
+    SensorErrors,
     SignalSettings,
     StateEstimator,
 )
@@ -76,9 +76,9 @@ def force_noise(study: ResolvedStudy) -> float:
     return study.study.controller.pressure_noise * math.hypot(cylinder.area_a, cylinder.area_b)
 
 
-def pack_sensors(sensors: SensorTruth) -> Sensors:
+def pack_sensors(sensors: SensorTruth) -> SensorErrors:
     """Return what is untrue about the sensors as a kernel tuple."""
-    return Sensors(
+    return SensorErrors(
         1 + sensors.pressure_gain_error_a,
         1 + sensors.pressure_gain_error_b,
         sensors.pressure_offset_a,
@@ -222,7 +222,7 @@ def pack_force(study: ResolvedStudy) -> ForceSettings:
 def pack_signals(
     controller: Controller,
     estimator: StateEstimator = NO_ESTIMATOR,
-    sensors: Sensors = TRUE_SENSORS,
+    sensors: SensorErrors = TRUE_SENSORS,
 ) -> SignalSettings:
     """Return filters or state estimator, tolerances, noise and sensors as a kernel tuple."""
     sample_time = controller.fast_sampling_period

@@ -159,7 +159,7 @@ class StateEstimator(NamedTuple):
     injected: float  # 1 where the reference is injected, else 0
 
 
-class Sensors(NamedTuple):
+class SensorErrors(NamedTuple):
     """What is untrue about the sensors beside their noise."""
 
     gain_a: float  # -, 1 where true
@@ -171,7 +171,7 @@ class Sensors(NamedTuple):
 
 
 NO_ESTIMATOR = StateEstimator(0.0, 0.0, 0.0, 0.0, 0.0)
-TRUE_SENSORS = Sensors(1.0, 1.0, 0.0, 0.0, 0.0, 0.0)
+TRUE_SENSORS = SensorErrors(1.0, 1.0, 0.0, 0.0, 0.0, 0.0)
 
 
 class SignalSettings(NamedTuple):
@@ -191,7 +191,7 @@ class SignalSettings(NamedTuple):
     pressure_noise: float
     converter_noise: float
     estimator: StateEstimator = NO_ESTIMATOR
-    sensors: Sensors = TRUE_SENSORS
+    sensors: SensorErrors = TRUE_SENSORS
 
 
 class FeedforwardTuple(NamedTuple):

@@ -42,7 +42,7 @@ class OtherSystem:
     """A system that §7 compares with; NaN where it does not tell.
 
     ``key`` is its section in ``[systems]``; loss [J/mm], squared force error [kN² s], performance
-    index [ms] in the paper's words.
+    index [ms] in the paper's words; the mass [kg] where it tells on which.
     """
 
     key: str
@@ -51,6 +51,7 @@ class OtherSystem:
     force_error: float
     where: str
     index: str = "–"
+    mass: float | None = None
 
 
 OTHER_SYSTEMS = (
@@ -67,7 +68,8 @@ OTHER_SYSTEMS = (
         "§7.1, [8]", "≈ 40",
     ),
     OtherSystem(
-        "steady_state", "this machine, steady-state controller", 15.9, 31.0, "§7.3, [16]"
+        "steady_state", "this machine, steady-state controller", 15.9, 31.0, "§7.3, [16]",
+        mass=49e3,
     ),
 )  # fmt: skip
 

@@ -6,7 +6,7 @@ out as published is *calibrated*, and its source says on what and over which ran
 
 from __future__ import annotations
 
-from typing import Self
+from typing import Annotated, Self
 
 from pydantic import Field, model_validator
 
@@ -224,6 +224,9 @@ class Systems(Section):
         "1", "g", "factor on the loop gain at which a best controller must still be stable", 1.5,
         at_least=1, at_most=100,
     )  # fmt: skip
+    beside: tuple[Annotated[str, Field(min_length=1)], ...] = Field(
+        (), description="files of further studies, whose machines are compared too", max_length=8
+    )
     load_sensing: LoadSensing | None = Field(None, description="with a proportional valve")
     digital_valves: DigitalValves | None = Field(None, description="with digital valves")
     four_chamber: FourChamber | None = Field(None, description="a four-chamber cylinder")
@@ -232,3 +235,8 @@ class Systems(Section):
     steady_state: SteadyState | None = Field(
         None, description="this machine, deciding on settled pressures"
     )
+
+    def parts(self) -> dict[str, Section]:
+        """Return the systems that are compared, by the name of their section."""
+        named = ((name, getattr(self, name)) for name in type(self).model_fields)
+        return {name: part for name, part in named if isinstance(part, Section)}

@@ -12,6 +12,9 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any, Literal
 
+NOTHING = "—"
+"""What a cell says that has nothing to say."""
+
 _SYMBOL = re.compile(r"(?<![\w./])([^\W\d_])_([A-Za-z0-9]+(?:,[A-Za-z]+)*)(?![\w/(])")
 
 
@@ -105,12 +108,15 @@ class Tabular:
         What it shows: above it on a terminal, and in a report where it is ``titled``.
     keep
         Whether it stays on one page.
+    legend
+        What its words and its dashes mean, below it in small print.
     """
 
     title: str
     columns: Sequence[Column]
     rows: Sequence[Row]
     keep: bool = True
+    legend: str = ""
 
     def titled(self, *after: Block) -> list[Block]:
         """Return the table under its title, and what follows it; nothing where it has no rows."""
@@ -118,7 +124,17 @@ class Tabular:
 
     def brief(self) -> Tabular:
         """Return the table without its columns of detail."""
-        kept = [n for n, column in enumerate(self.columns) if not column.detail]
+        return self._with([n for n, column in enumerate(self.columns) if not column.detail])
+
+    def filled(self) -> Tabular:
+        """Return the table without those columns in which no row says anything."""
+        texts = [
+            [getattr(row[n], "text", row[n]) for row in self.rows] for n in range(len(self.columns))
+        ]
+        kept = [n for n, column in enumerate(texts) if not n or set(column) - {"", NOTHING}]
+        return self._with(kept) if self.rows else self
+
+    def _with(self, kept: Sequence[int]) -> Tabular:
         rows = [[row[n] for n in kept] for row in self.rows]
         return replace(self, columns=[self.columns[n] for n in kept], rows=rows)
 

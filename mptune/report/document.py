@@ -11,13 +11,14 @@ from typing import TYPE_CHECKING
 
 from mptune.files import write_whole
 from mptune.params.gains import now, version
-from mptune.report.blocks import Chapter, Document, Figure
+from mptune.report.blocks import Chapter, Document, Figure, Tabular
 from mptune.report.content.certificates import certificates
 from mptune.report.content.closed_loop import linear_check, nonlinear_machine
 from mptune.report.content.controller import controller
 from mptune.report.content.front import front_page
 from mptune.report.content.identification import identification
 from mptune.report.content.loops import gain_chain, inequalities, loop_plots, sensitivities
+from mptune.report.content.papers_frame import papers_frame
 from mptune.report.content.parameters import ledger, parameters
 from mptune.report.content.systems import systems
 from mptune.report.content.tradeoff import comparison, front
@@ -29,6 +30,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable, Collection, Mapping
     from pathlib import Path
 
+    from mptune.report.blocks import Block
     from mptune.report.results import Results
 
 CHAPTERS: tuple[Callable[[Results], Chapter | None], ...] = (
@@ -40,6 +42,7 @@ CHAPTERS: tuple[Callable[[Results], Chapter | None], ...] = (
     controller,
     linear_check,
     nonlinear_machine,
+    papers_frame,
     comparison,
     front,
     weights,
@@ -61,7 +64,9 @@ def document(results: Results, figures: Collection[str]) -> Document:
         title=study.title,
         running=f"{study.name} · mptune {version()} · model {model[:12]} · {date[:10]}",
         satisfied=results.verdict.met,
-        front=replace(page, about=(*page.about, stamp)),
+        front=replace(
+            page, about=(*page.about, stamp), blocks=[_filled(block) for block in page.blocks]
+        ),
         chapters=[chapter for chapter in chapters if chapter.blocks],
     )
 
@@ -70,7 +75,11 @@ def _with(figures: Collection[str], chapter: Chapter) -> Chapter:
     blocks = [
         block for block in chapter.blocks if not isinstance(block, Figure) or block.name in figures
     ]
-    return replace(chapter, blocks=blocks)
+    return replace(chapter, blocks=[_filled(block) for block in blocks])
+
+
+def _filled(block: Block) -> Block:
+    return block.filled() if isinstance(block, Tabular) else block
 
 
 def write_report(stem: Path, results: Results, figures: Mapping[str, bytes]) -> tuple[Path, Path]:

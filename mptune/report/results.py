@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mptune.sim.sampled import LinearMove
     from mptune.tune.result import TuneResult
     from mptune.verify.before_after import Change
+    from mptune.verify.beside import PapersFrame
     from mptune.verify.result import VerifyResult
 
 
@@ -77,6 +78,7 @@ class Results:
     leftovers: Leftovers = Leftovers()
     judgement: Judgement | None = None
     changes: tuple[Change, ...] = ()
+    papers_frame: PapersFrame | None = None
 
     @property
     def verdict(self) -> Judgement:

@@ -31,6 +31,10 @@ if TYPE_CHECKING:
 _FORMULAS, _EQUATIONS, _STYLE = "formulas.typ", "equations.typ", "report.css"
 _NUMBERED = re.compile(r"eq(\d+)")
 _PARAGRAPHS: dict[type, str] = {Prose: "p", Note: 'p class="note"', Heading: "h3"}
+_HARD = "\N{NO-BREAK SPACE}"
+_SHORT = 16  # characters of a cell that stays in one line
+_UNIT = r"(?:[kMG]?N|[µmcdk]?m|m?s|k?g|t|[kM]?Pa|k?J|l|rad|°|%|1)"
+_UNITS = re.compile(rf"[\d.)] {_UNIT}[²³⁴⁵⁶]?(?:[ /·]{_UNIT}[²³⁴⁵⁶]?)*(?![\w])")
 _TAGS = {"key": "code", "strong": "strong", "small": "small"}
 
 
@@ -113,12 +117,22 @@ def _block(block: Block, drawn: Mapping[str, str]) -> str:
         case Equations():
             return "".join(_equation(name, drawn[name]) for line in block.lines for name in line)
         case Figure():
-            caption = f"<figcaption>{_words(block)}</figcaption>"
-            return f"<figure>{drawn[block.name]}{caption}</figure>"
+            return _figure(block, drawn[block.name])
         case Words():
             tag = _PARAGRAPHS[type(block)]
             return f"<{tag}>{_words(block)}</{tag.split()[0]}>"
     return ""  # a page's end
+
+
+def _figure(figure: Figure, picture: str) -> str:
+    """Return a figure that a click opens as large as the window, by its address alone."""
+    name = html_text(figure.name)
+    return (
+        f'<div id="at-{name}"><figure id="figure-{name}">'
+        f'<a href="#figure-{name}" title="open large">{picture}</a>'
+        f'<a class="back" href="#at-{name}">× back to the page</a>'
+        f"<figcaption>{_words(figure)}</figcaption></figure></div>"
+    )
 
 
 def _equation(name: str, picture: str) -> str:
@@ -138,24 +152,40 @@ def _table(table: Tabular) -> str:
         + "</tr>\n"
         for row in table.rows
     )
-    return f'<div class="wide"><table><thead><tr>{heads}</tr></thead>\n{rows}</table></div>'
+    legend = f'<p class="note">{_words(Note(table.legend))}</p>' if table.legend else ""
+    made = f"<table><thead><tr>{heads}</tr></thead>\n{rows}</table>"
+    return f'<div class="wide">{made}</div>{legend}'
 
 
 def _cell(cell: str | Cell) -> str:
     if not isinstance(cell, Cell):
-        return html_text(cell)
+        return _unbroken(html_text(cell))
     text = html_text(cell.text)
     if cell.look == "symbol":
         base, _, below = text.partition("_")
         return base + (f"<sub>{below}</sub>" if below else "")
+    if cell.look != "key":
+        text = _unbroken(text)
     if cell.look in {"good", "bad"}:
         return f'<strong class="{cell.look}">{text}</strong>'
     tag = _TAGS[cell.look]
     return f"<{tag}>{text}</{tag}>"
 
 
+def _unbroken(text: str) -> str:
+    """Return a cell whose units stay with their numbers; a short one stays in one line."""
+    if len(text) <= _SHORT:
+        return text.replace(" ", _HARD)
+    return _kept(text)
+
+
+def _kept(text: str) -> str:
+    """Return a text in which no unit is torn from its number."""
+    return _UNITS.sub(lambda found: found[0].replace(" ", _HARD), text)
+
+
 def _words(words: Words) -> str:
     return "".join(
-        f"<sub>{html_text(run['text'])}</sub>" if run["sub"] else html_text(run["text"])
+        f"<sub>{html_text(run['text'])}</sub>" if run["sub"] else _kept(html_text(run["text"]))
         for run in words.runs
     )

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import Complex, ComplexArray, FloatArray, kernel
-from mptune.loops.broken import SAMPLED, loop_around, loop_gain
+from mptune.loops.broken import FORCE, SAMPLED, loop_around, loop_gain
 from mptune.loops.sampled import SampledPlant, sampled_loop
 
 if TYPE_CHECKING:
@@ -17,7 +17,9 @@ _GOLDEN = (5**0.5 - 1) / 2
 _NEARLY = 0.4  # of the highest grid value: lower peaks are not refined
 _PEAK_STEPS = 25  # of a golden section: 6e-6 of the grid step, 1e-11 of a smooth peak
 _CROSSING_STEPS = 40  # of a bisection: 1e-12 of the grid step
-_SENSITIVITY, _COMPLEMENTARY, _DISK = 0, 1, 2
+_SENSITIVITY, _COMPLEMENTARY, _DISK, _COMPLIANCE = 0, 1, 2, 3
+_COLUMN = (0, 2, 12, 14)  # of each kind of peak
+FIGURES = 16  # a margin or peak and its frequency, by turns
 
 
 class JudgedPlant(NamedTuple):
@@ -62,13 +64,28 @@ def _between(omega: float, grid: FloatArray, values: ComplexArray) -> Complex:
 
 
 @kernel
-def _size(kind: int, gain: complex) -> float:
-    """Return |S|, |T| or |S − T|/2 of a loop gain."""
+def _size(kind: int, gain: complex, omega: float, mass: float) -> float:
+    """Return |S|, |T|, |S − T|/2 or |S|/(mω²) of a loop gain."""
     if kind == _SENSITIVITY:
         return 1 / abs(1 + gain)
     if kind == _COMPLEMENTARY:
         return abs(gain / (1 + gain))
+    if kind == _COMPLIANCE:
+        return 1 / (abs(1 + gain) * mass * omega * omega)
     return 0.5 * abs((1 - gain) / (1 + gain))
+
+
+@kernel
+def _size_at(
+    kind: int,
+    which: int,
+    omega: float,
+    plant: JudgedPlant,
+    gains: LoopGains,
+    path: MeasurementPath,
+) -> float:
+    gain = gain_at(which, omega, plant, gains, path)
+    return _size(kind, gain, omega, plant.true.mass)
 
 
 @kernel
@@ -79,18 +96,19 @@ def margins_of(
     gains: LoopGains,
     path: MeasurementPath,
 ) -> FloatArray:
-    """Return the margins of one loop in the order of ``Margins``, ``(14,)``."""
+    """Return the margins of one loop in the order of ``Margins``, ``(FIGURES,)``."""
     points = len(omega)
     loop = np.empty(points, np.complex128)
-    size = np.empty((3, points))
+    kinds = 4 if which in (FORCE, SAMPLED) else 3  # compliance is the whole loop's
+    size = np.empty((kinds, points))
     for f in range(points):
         loop[f] = gain_at(which, omega[f], plant, gains, path)
-        for kind in range(3):
-            size[kind, f] = _size(kind, loop[f])
-    row = np.full(14, np.nan)
-    for kind in range(3):
+        for kind in range(kinds):
+            size[kind, f] = _size(kind, loop[f], omega[f], plant.true.mass)
+    row = np.full(FIGURES, np.nan)
+    for kind in range(kinds):
         peak, at = _highest_peak(kind, which, omega, size[kind], plant, gains, path)
-        column = 12 if kind == _DISK else 2 * kind
+        column = _COLUMN[kind]
         row[column] = 1 / peak if kind == _DISK else peak
         row[column + 1] = at
     row[4], row[6], row[8], row[10] = np.inf, 0.0, np.inf, np.inf
@@ -125,7 +143,7 @@ def _highest_peak(
         place = _peak(
             kind, which, omega[max(f - 1, 0)], omega[min(f + 1, last)], plant, gains, path
         )
-        value = _size(kind, gain_at(which, place, plant, gains, path))
+        value = _size_at(kind, which, place, plant, gains, path)
         if value > height:
             height, at = value, place
     return height, at
@@ -141,19 +159,19 @@ def _peak(
     gains: LoopGains,
     path: MeasurementPath,
 ) -> float:
-    """Return the frequency of the peak of |S|, |T| or |S − T| between two frequencies."""
+    """Return the frequency of a peak of ``_size`` between two frequencies."""
     left, right = high - _GOLDEN * (high - low), low + _GOLDEN * (high - low)
-    at_left = _size(kind, gain_at(which, left, plant, gains, path))
-    at_right = _size(kind, gain_at(which, right, plant, gains, path))
+    at_left = _size_at(kind, which, left, plant, gains, path)
+    at_right = _size_at(kind, which, right, plant, gains, path)
     for _ in range(_PEAK_STEPS):
         if at_left > at_right:
             high, right, at_right = right, left, at_left
             left = high - _GOLDEN * (high - low)
-            at_left = _size(kind, gain_at(which, left, plant, gains, path))
+            at_left = _size_at(kind, which, left, plant, gains, path)
         else:
             low, left, at_left = left, right, at_right
             right = low + _GOLDEN * (high - low)
-            at_right = _size(kind, gain_at(which, right, plant, gains, path))
+            at_right = _size_at(kind, which, right, plant, gains, path)
     return 0.5 * (low + high)
 
 

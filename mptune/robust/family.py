@@ -36,6 +36,7 @@ MARGINS = (
     MarginFigure("phase_margin", "phase_margin_rad", "phase margin [°]", 180 / np.pi),
     MarginFigure("delay_margin", "delay_margin_s", "delay margin [ms]", 1e3),
     MarginFigure("disk_margin", "disk_margin", "disk margin α", 1.0),
+    MarginFigure("peak_compliance", "peak_compliance_m_per_n", "compliance [mm/kN]", 1e6),
 )
 
 
@@ -87,7 +88,7 @@ class Family(Summarised):
         values = getattr(self.margins, name)[loop]
         if np.isnan(values).any():
             return float("nan"), None
-        largest_is_worst = name.endswith("peak") or name == "gain_reduction"
+        largest_is_worst = "peak" in name or name == "gain_reduction"
         index = int(np.argmax(values) if largest_is_worst else np.argmin(values))
         frequency = self.margins[self.margins._fields.index(name) + 1][loop, index]
         at = None if np.isnan(frequency) else self.point(index, frequency)
@@ -139,6 +140,8 @@ class Family(Summarised):
             values[name] = {}
             for figure in MARGINS:
                 if sampled and figure.name == "delay_margin":
+                    continue
+                if loop != FORCE and figure.name == "peak_compliance":
                     continue
                 value, at = self.worst(figure.name, loop)
                 values[name][figure.key] = {

@@ -23,7 +23,7 @@ from mptune.loops.sampled import (
 )
 from mptune.loops.velocity import plant_at
 from mptune.params.packed import Plant
-from mptune.robust.crossings import JudgedPlant, margins_of, note_factor
+from mptune.robust.crossings import FIGURES, JudgedPlant, margins_of, note_factor
 from mptune.summary import tuple_text
 
 if TYPE_CHECKING:
@@ -55,6 +55,8 @@ class Margins(NamedTuple):
     delay_frequency: FloatArray
     disk_margin: FloatArray  # α = 1/max |(S − T)/2|, symmetric disk
     disk_frequency: FloatArray
+    peak_compliance: FloatArray  # m/N, largest |S|/(mω²): of the loop at F_ref, NaN of the others
+    compliance_frequency: FloatArray
 
     def __repr__(self) -> str:
         """Return shape and range of each field."""
@@ -81,7 +83,7 @@ def _family_margins(
     omega: FloatArray, plants: Plants, gains: LoopGains, path: MeasurementPath
 ) -> FloatArray:
     count = len(plants.mass)
-    table = np.empty((3, count, 14))
+    table = np.empty((3, count, FIGURES))
     sampled = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, np.empty(0))
     for n in numba.prange(count):
         none = np.empty(0), np.empty(0, np.complex128)
@@ -100,7 +102,7 @@ def sampled_margins(omega: FloatArray, loops: FamilyLoops, period: float) -> Mar
     """
     half_rate = np.pi / period
     grid = np.union1d(omega[omega < half_rate], np.linspace(0.02, 1, 50) * half_rate)
-    table = np.full((3, loops.plants.number, 14), np.nan)
+    table = np.full((3, loops.plants.number, FIGURES), np.nan)
     table[FORCE] = _sampled_margins(grid, loops.plants, loops.gains, loops.path, period)
     table[:, :, 10:12] = np.nan
     return Margins(*np.moveaxis(table, 2, 0))
@@ -111,7 +113,7 @@ def _sampled_margins(
     omega: FloatArray, plants: Plants, gains: LoopGains, path: MeasurementPath, period: float
 ) -> FloatArray:
     size = coefficient_count(plants.delay.max(), path, period)
-    table = np.empty((len(plants.mass), 14))
+    table = np.empty((len(plants.mass), FIGURES))
     for n in numba.prange(len(plants.mass)):
         true = plant_at(plants, n)
         sampled = sampled_plant(true, path, period, size)
@@ -127,7 +129,7 @@ def _sampled_margins(
 def measured_margins(
     omega: FloatArray, force: ComplexArray, mass: float, gains: LoopGains, path: MeasurementPath
 ) -> FloatArray:
-    """Return the margins of the three loops around one measured force response, ``(3, 14)``.
+    """Return the margins of the three loops around one measured force response, ``(3, FIGURES)``.
 
     In the order of ``Margins``, within the band of the fine grid ``omega`` ``(F,)``. Between its
     points the response ``force`` ``(F,)`` is taken to go straight: the error is that of the square
@@ -142,7 +144,7 @@ def _measured_margins(
 ) -> FloatArray:
     sampled = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, np.empty(0))
     plant = JudgedPlant(Plant(mass, 0.0, 0.0, 0.0, 0.5), sampled, 0.0, omega, force)
-    table = np.empty((3, 14))
+    table = np.empty((3, FIGURES))
     for which in range(3):
         table[which] = margins_of(which, omega, plant, gains, path)
     return table

@@ -18,7 +18,12 @@ if TYPE_CHECKING:
     from mptune.robust.result import SweepResult
 
 _UNITS = {"mass": "kg", "delay": "s", "tau_a": "s", "tau_b": "s"}
-_MARGIN_UNITS = {"frequency": "rad/s", "phase_margin": "rad", "delay_margin": "s"}
+_MARGIN_UNITS = {
+    "frequency": "rad/s",
+    "phase_margin": "rad",
+    "delay_margin": "s",
+    "peak_compliance": "m/N",
+}
 
 
 def to_dataset(result: SweepResult) -> xr.Dataset:

@@ -73,11 +73,7 @@ def sweep(
     by_path = {family.path: family for family in families}
     true, of_equations = by_path[model.judged_path], by_path[model.path_name]
     sampled = as_sampled(model, packed, omega)
-    of_place = model.study.study.controller.position_noise
-    noises = {
-        "noise_gain": noise_gain(packed, model.filters),
-        "noise_force": noise_force(packed, model.filters, of_place, force_noise(model.study)),
-    }
+    noises = noises_of(model, packed)
     proofs = certify(model, packed)
     premises = _premises(model, packed, of_equations, proofs)
     conditions = _conditions(model, omega, found, converged, premises, proofs)
@@ -95,6 +91,15 @@ def sweep(
         checks=checks + running_checks(model, packed, ahead, proofs),
         certificates=proofs,
     )
+
+
+def noises_of(model: LinearModel, gains: LoopGains) -> dict[str, float]:
+    """Return what noise makes of F_ref: ``"noise_gain"`` [N/m] and ``"noise_force"`` [N] rms."""
+    of_place = model.study.study.controller.position_noise
+    return {
+        "noise_gain": noise_gain(gains, model.filters),
+        "noise_force": noise_force(gains, model.filters, of_place, force_noise(model.study)),
+    }
 
 
 def with_radii(swept: SweepResult) -> SweepResult:

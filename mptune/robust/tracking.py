@@ -32,6 +32,8 @@ def family_tracking(
     gains: LoopGains,
     feedforward: Feedforward,
     rows: IntArray | None = None,
+    *,
+    running_away: bool = False,
 ) -> FloatArray:
     """Return each plant's, move's and time window's peak error over its peak velocity [s].
 
@@ -48,6 +50,8 @@ def family_tracking(
         What controls the machine.
     rows
         Of ``tracked_plants``; all of them where None.
+    running_away
+        Of the sampled loop, see ``mptune.sim.running.tracking_peaks``.
 
     Returns
     -------
@@ -63,7 +67,10 @@ def family_tracking(
             feedforward.model_copy(update=_FRICTIONLESS), model.filters.sample_time, masses
         )
         by = pack_estimator(model.study)
-        peaks = [tracking_peaks(loops, model.period, move, ahead, BINS, by) for move in moves]
+        peaks = [
+            tracking_peaks(loops, model.period, move, ahead, BINS, by, running_away=running_away)
+            for move in moves
+        ]
     else:
         peaks = [_continuous(model, plants, gains, move) for move in moves]
     return np.asarray(np.stack(peaks, axis=1))

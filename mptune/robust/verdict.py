@@ -21,6 +21,7 @@ if TYPE_CHECKING:
     from mptune.robust.place import PlantPoint
 
 
+_NOISE_UNIT = {"noise_gain": "N/m", "noise_force": "N"}
 _MARGIN_CHECKS = (  # key of the requirement, family that it holds for, margin
     ("sensitivity_peak", "true", "sensitivity_peak"),
     ("complementary_peak", "true", "complementary_peak"),
@@ -81,7 +82,8 @@ def check_requirements(
         limit = getattr(requirements, key)
         if limit is not None:
             status = Status.SATISFIED if noise <= limit else Status.VIOLATED
-            checks.append(Check(key, key, f"≤ {exact(limit)}", noise, status, None))
+            text = f"≤ {exact(limit)} {_NOISE_UNIT[key]}"
+            checks.append(Check(key, key, text, noise, status, None))
     return tuple(checks)
 
 

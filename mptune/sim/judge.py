@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Protocol, TypeVar
 
 import numpy as np
+
+from mptune.sim.commanded import commanded_ticks, following
 
 if TYPE_CHECKING:
     from collections.abc import Iterable
@@ -42,20 +44,23 @@ class SetFigures:
     What the machine has not is NaN.
     """
 
-    performance_index_ms: float  # peak position error over peak velocity
+    performance_index_ms: float  # peak position error over peak velocity; not of a commanded speed
     energy_loss_j_per_mm: float  # energy drawn less energy delivered, per travel
     pump_loss_j_per_mm: float  # energy pumped less energy delivered (§7.1)
     force_error_integral_kn2s: float  # while the force is controlled
     final_error_mm: float  # largest at the end of a rest
     peak_velocity_mm_s: float
     valve_switches: int
-    converter_peak_mm: float
+    converter_peak_mm: float = field(default=np.nan, kw_only=True)
     pressure_min_mpa: float
     pressure_max_mpa: float
     energy_residual: float  # what the energies fail to close by, over the energy put in
     oscillation: int  # longest run of alternating large velocity deviations
     saturated_s: float  # time with the force reference at its limit
     busiest_valve_per_s: float = np.nan  # switches of the valve that switches most
+    velocity_error_mm_s: float = np.nan  # rms while a speed is commanded, as the next two
+    velocity_lag_ms: float = np.nan
+    stop_overshoot_mm: float = np.nan
 
 
 def set_figures(record: RunRecord) -> SetFigures:
@@ -65,25 +70,35 @@ def set_figures(record: RunRecord) -> SetFigures:
     low, high = record.force_limits
     at_limit = (record.force_reference <= low) | (record.force_reference >= high)
     pressures = np.array([np.nan]) if record.pressures is None else record.pressures
-    converters = np.array([np.nan]) if record.converters is None else record.converters
     error, velocity = record.error, record.velocity
-    duration = tick * len(error)
+    duration, followed = tick * len(error), following(record)
     return SetFigures(
-        performance_index_ms=1e3 * performance_index(error, velocity) if record.travel else np.nan,
+        performance_index_ms=1e3 * _index_of_moves(record),
         energy_loss_j_per_mm=record.energies.loss / travel,
         pump_loss_j_per_mm=record.energies.pump_loss / travel,
         force_error_integral_kn2s=float((record.force_error**2).sum()) * tick / 1e6,
         final_error_mm=1e3 * float(np.abs(error[last]).max()),
         peak_velocity_mm_s=1e3 * float(np.abs(velocity).max()),
         valve_switches=record.switches,
-        converter_peak_mm=1e3 * float(np.abs(converters).max()),
         pressure_min_mpa=float(pressures.min()) / 1e6,
         pressure_max_mpa=float(pressures.max()) / 1e6,
         energy_residual=record.energies.residual,
         oscillation=longest_oscillation(velocity, record.velocity_reference, tick),
         saturated_s=float(at_limit.sum()) * tick,
         busiest_valve_per_s=np.nan if record.busiest is None else record.busiest / duration,
+        velocity_error_mm_s=1e3 * followed.error,
+        velocity_lag_ms=1e3 * followed.lag,
+        stop_overshoot_mm=1e3 * followed.overshoot,
+        **record.own_figures,
     )
+
+
+def _index_of_moves(record: RunRecord) -> float:
+    """Return the index [s] of all moves to a place; NaN where there are none."""
+    moves = ~commanded_ticks(record.commands, record.sample_time, len(record.position))
+    if not record.travel or not moves.any():
+        return np.nan
+    return performance_index(record.error[moves], record.velocity[moves])
 
 
 def per_year(per_second: float, duty: float) -> float:

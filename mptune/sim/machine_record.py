@@ -72,8 +72,9 @@ def record_of(
         force_limits=force_limits,
         broken=broken_limits(trace, machine, tick, begin),
         pressures=trace[:, _CHAMBERS],
-        converters=trace[:, _CONVERTERS],
+        own_figures={"converter_peak_mm": 1e3 * float(np.abs(trace[:, _CONVERTERS]).max())},
         busiest=busiest,
+        commands=moves.commands,
     )
 
 

@@ -126,6 +126,11 @@ MERITS = (
           "1", 1.0, _LARGEST),
     Merit("busiest_valve_per_s", "busiest_valve", "Switches of the busiest valve", "busiest valve",
           "1/s", 1.0, _MEAN),
+    Merit("velocity_error_mm_s", "velocity_error", "Velocity error, rms", "velocity error",
+          "mm/s", 1e-3, _MEAN),
+    Merit("velocity_lag_ms", "velocity_lag", "Velocity lag", "lag", "ms", 1e-3, _MEAN),
+    Merit("stop_overshoot_mm", "stop_overshoot", "Overshoot at the stop", "overshoot",
+          "mm", 1e-3, _LARGEST),
 )  # fmt: skip
 _BY_KEY = {merit.key: merit for merit in MERITS}
 
@@ -140,6 +145,11 @@ def merit(key: str) -> Merit:
     """
     return _BY_KEY[key]
 
+
+# What a commanded speed is judged by.
+OF_SPEEDS = tuple(
+    merit(key) for key in ("velocity_error_mm_s", "velocity_lag_ms", "stop_overshoot_mm")
+)
 
 # What a table of runs shows, in its order.
 TABULATED = tuple(

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.signals import trajectory
+from mptune.sim.record import CommandedSpeed
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -21,6 +22,7 @@ class Moves(NamedTuple):
     pieces: FloatArray  # (P, 7) see ``mptune.signals.trajectory``
     ends: FloatArray  # (M,) s, when each rest ends
     travel: float  # m, the way of all moves added up
+    commands: tuple[CommandedSpeed, ...] = ()  # those moves that are a speed over time
 
     @property
     def duration(self) -> float:
@@ -41,6 +43,7 @@ class Moves(NamedTuple):
 def moves_of(manoeuvres: Sequence[Manoeuvre]) -> Moves:
     """Return manoeuvres one after another."""
     tables, ends, begin, position, travel = [], [], 0.0, 0.0, 0.0
+    commands = []
     for move in manoeuvres:
         table = _pieces(move)
         last = trajectory.reference(move.duration, table)[0]
@@ -51,9 +54,12 @@ def moves_of(manoeuvres: Sequence[Manoeuvre]) -> Moves:
         table[:, 1] += position
         tables.append(table)
         position += last
-        begin += move.duration + move.rest
-        ends.append(begin)
-    return Moves(np.concatenate(tables), np.array(ends), travel)
+        stop, end = begin + move.duration, begin + move.duration + move.rest
+        if move.kind == "velocity":
+            commands.append(CommandedSpeed(begin, stop, end, move.speed))
+        begin = end
+        ends.append(end)
+    return Moves(np.concatenate(tables), np.array(ends), travel, tuple(commands))
 
 
 def _pieces(move: Manoeuvre) -> FloatArray:

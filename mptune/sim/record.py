@@ -1,13 +1,13 @@
 """A neutral record of one movement set: what moved the load, and at what cost, whatever it was.
 
 §7's figures of merit are judged from it, so that a cylinder with on/off valves, a servo valve or a
-pump are judged alike. What only some machines have, chamber pressures and converter pistons, may
-be left out.
+pump are judged alike. Chamber pressures may be left out; what only one kind of machine has it
+judges itself, and hands over as figures of its own.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
@@ -72,6 +72,15 @@ class BrokenLimit(NamedTuple):
     at: float  # s, since the run began
 
 
+class CommandedSpeed(NamedTuple):
+    """A manoeuvre of kind ``velocity`` in a movement set, times since the set began [s]."""
+
+    begin: float
+    stop: float  # when the reference stands again
+    end: float  # of the rest
+    speed: float  # m/s, signed
+
+
 @dataclass(frozen=True, repr=False)
 class RunRecord(Summarised):
     """One movement set of one load.
@@ -100,11 +109,13 @@ class RunRecord(Summarised):
         Limits that were broken, in the order of time.
     pressures
         ``(T, P)`` of the chambers [Pa]; None where there are none.
-    converters
-        ``(T, C)`` of the converter pistons from their centres [m]; None where there are none.
+    own_figures
+        Figures that only this kind of machine has, by their key in ``mptune.sim.merit``.
     busiest
         How often the valve that switches most was switched in the set; None where it was not
         counted.
+    commands
+        The moves that are a commanded speed over time.
     """
 
     sample_time: float
@@ -122,15 +133,16 @@ class RunRecord(Summarised):
     force_limits: tuple[float, float] = (-np.inf, np.inf)
     broken: tuple[BrokenLimit, ...] = ()
     pressures: FloatArray | None = None
-    converters: FloatArray | None = None
+    own_figures: Mapping[str, float] = field(default_factory=dict)
     busiest: int | None = None
+    commands: tuple[CommandedSpeed, ...] = ()
 
     def __post_init__(self) -> None:
         """Look at every array through a view that nobody can write to."""
-        for field in fields(self):
-            value = getattr(self, field.name)
+        for one in fields(self):
+            value = getattr(self, one.name)
             if isinstance(value, np.ndarray):
-                object.__setattr__(self, field.name, frozen(value.view()))
+                object.__setattr__(self, one.name, frozen(value.view()))
 
     @property
     def headline(self) -> str:

@@ -5,7 +5,8 @@ input is past history, known as a cubic polynomial. Lags and integrators are adv
 that cubic, and the controller likewise for the cubic through the measured position and its
 slope. Kinks that a step of the reference sends round the loop fall on step boundaries, where left
 and right limits are kept apart. The error is that of the cubic interpolation, of fourth order in
-the step.
+the step. A state estimator is none of it: what runs with one is sampled, and its steps are those of
+``mptune.sim.running_steps``.
 """
 
 from __future__ import annotations
@@ -93,7 +94,7 @@ def _responses(
     ``levels`` are the steps of velocity reference, position reference and load force at time 0.
     """
     if path.estimator_mass > 0:
-        raise ValueError("a state estimator's steps are those of the loop as it runs")
+        raise ValueError("a state estimator's steps are those of mptune.sim.running_steps")
     count = len(plants.mass)
     found = np.empty((count, len(time), 2))
     for n in numba.prange(count):

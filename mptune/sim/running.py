@@ -11,7 +11,7 @@ from mptune.loops.velocity import plant_at
 from mptune.params.controller import Feedforward
 from mptune.params.pack import pack_feedforward
 from mptune.params.packed import NO_ESTIMATOR, StateEstimator
-from mptune.sim.sampled import run_linear
+from mptune.sim.sampled import DIVERGED, run_linear
 
 if TYPE_CHECKING:
     from mptune.loops.family import FamilyLoops
@@ -43,8 +43,12 @@ def tracking_peaks(
     ahead: FeedforwardTuple,
     bins: int,
     estimator: StateEstimator = NO_ESTIMATOR,
+    *,
+    running_away: bool = False,
 ) -> FloatArray:
     """Return each plant's peak error in each window of time over its peak velocity [s].
+
+    Of a loop that runs away both peaks are its own growth: it is infinite in every window.
 
     Parameters
     ----------
@@ -60,6 +64,9 @@ def tracking_peaks(
         Number of windows.
     estimator
         The state estimator; the filters of the loops' path without one.
+    running_away
+        Whether loops that run away keep the quotient of their peaks, which tells a search the way
+        back though it says nothing of tracking.
 
     Returns
     -------
@@ -68,7 +75,9 @@ def tracking_peaks(
     """
     ticks = round(move.duration / loops.path.sample_time) // bins * bins
     packed = loops.plants, loops.gains, loops.path
-    return np.asarray(_peaks(*packed, period, move.pieces, ahead, ticks, bins, estimator))
+    farthest = np.inf if running_away else DIVERGED * move.reach
+    given = period, move.pieces, ahead
+    return np.asarray(_peaks(*packed, *given, ticks, bins, estimator, farthest))
 
 
 @kernel
@@ -82,19 +91,23 @@ def _peaks(
     ticks: int,
     bins: int,
     estimator: StateEstimator,
+    farthest: float,
 ) -> FloatArray:
     found = np.zeros((len(plants.mass), bins))
     for n in range(len(plants.mass)):
         plant = plant_at(plants, n)
         traces = run_linear(plant, gains, path, period, pieces, ahead, ticks, estimator)
-        fastest, per_bin = 0.0, ticks // bins
+        fastest, per_bin, stays = 0.0, ticks // bins, True
         for tick in range(ticks):
             error, speed = abs(traces[0, tick] - traces[1, tick]), abs(traces[2, tick])
             place = tick // per_bin
             if not error <= found[n, place]:  # what is no number counts as the largest
                 found[n, place] = error
             fastest = max(fastest, speed)
+            stays = stays and abs(traces[1, tick]) <= farthest  # what is no number does not
         found[n] /= fastest
+        if not stays and farthest < np.inf:
+            found[n] = np.inf
     return found
 
 

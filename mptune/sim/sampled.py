@@ -38,6 +38,7 @@ from mptune.signals.states import (
     VELOCITY_HEARD,
 )
 from mptune.signals.trajectory import reference
+from mptune.sim.commanded import commanded_ticks
 from mptune.sim.judge import performance_index
 from mptune.sim.linear_machine import move_on, stride_of
 from mptune.sim.moves import moves_of
@@ -52,8 +53,9 @@ if TYPE_CHECKING:
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.packed import FeedforwardTuple, LoopGains, MeasurementPath, StateEstimator
     from mptune.params.study import ResolvedStudy
+    from mptune.sim.moves import Moves
 
-_DIVERGED = 20.0  # times the longest move
+DIVERGED = 20.0  # times the longest move, from which a loop is said to run away
 
 
 @dataclass(frozen=True, repr=False)
@@ -67,7 +69,7 @@ class LinearMove(Summarised, Drawn):
     stable
         Whether the movement ended near its reference instead of growing without bound.
     performance_index_ms
-        Peak position error over peak velocity, §7.2; NaN where not stable.
+        Peak position error over peak velocity, §7.2; NaN where not stable, and of commanded speeds.
     time, reference, position, velocity, force
         ``(T,)`` traces at T_S,fast in SI; ``force`` is F_ref.
     """
@@ -170,7 +172,7 @@ def linear_moves(
                 traces = run_linear(
                     plant, pack_gains(gains), path, period, moves.pieces, ahead, ticks, estimator
                 )
-                results.append(_judge(mass, delay, modulus, path.sample_time, moves.reach, traces))
+                results.append(_judge(mass, delay, modulus, path.sample_time, moves, traces))
     return tuple(results)
 
 
@@ -179,15 +181,16 @@ def _judge(
     delay: float,
     modulus: float,
     sample_time: float,
-    reach: float,
+    moves: Moves,
     traces: FloatArray,
 ) -> LinearMove:
     wanted, position, velocity, force = traces
-    limit = _DIVERGED * reach
+    limit = DIVERGED * moves.reach
+    judged = ~commanded_ticks(moves.commands, sample_time, len(position))
     stable = bool(np.isfinite(traces).all() and np.abs(position).max() <= limit)
     index = float("nan")
-    if stable:
-        index = 1e3 * performance_index(wanted - position, velocity)
+    if stable and judged.any():
+        index = 1e3 * performance_index((wanted - position)[judged], velocity[judged])
     return LinearMove(
         mass_kg=mass,
         valve_delay_s=delay,
@@ -212,6 +215,7 @@ def run_linear(
     ahead: FeedforwardTuple,
     ticks: int,
     estimator: StateEstimator = NO_ESTIMATOR,
+    load: float = 0.0,
 ) -> FloatArray:
     """Return reference, position, velocity and F_ref at each fast tick, ``(4, T)``.
 
@@ -230,6 +234,8 @@ def run_linear(
         Number T of fast ticks.
     estimator
         The state estimator; the filters of ``path`` without one.
+    load
+        A load force that sets in at time 0 [N]; against positive motion, as in Eq. 1.
     """
     fast, pole = path.sample_time, path.filter_pole
     every = round(period / fast)
@@ -271,4 +277,6 @@ def run_linear(
             move_on(state, plant, applied, after_it)
         else:
             move_on(state, plant, applied, whole_tick)
+        state[3] -= load * fast * fast / (2 * plant.mass)
+        state[2] -= load * fast / plant.mass
     return traces

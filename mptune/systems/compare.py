@@ -128,16 +128,12 @@ def _three(outcomes: Sequence[Outcome], figure: str) -> tuple[float, float, floa
 
 def calibrated_keys(study: ResolvedStudy) -> tuple[str, ...]:
     """Return the keys of all single values of ``[systems]`` that are calibrated."""
-    found = []
-    for name in type(study.study.systems).model_fields:
-        part = getattr(study.study.systems, name)
-        if not hasattr(part, "quantities"):
-            continue
-        for key, *_ in part.quantities():
-            whole = f"systems.{name}.{key}"
-            if study.study.source_of(whole).startswith("calibrated"):
-                found.append(whole)
-    return tuple(found)
+    keys = (
+        f"systems.{name}.{key}"
+        for name, part in study.study.systems.parts().items()
+        for key, *_ in part.quantities()
+    )
+    return tuple(key for key in keys if study.study.source_of(key).startswith("calibrated"))
 
 
 def with_value(study: ResolvedStudy, key: str, factor: float) -> ResolvedStudy:

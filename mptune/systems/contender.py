@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from functools import partial
 from typing import TYPE_CHECKING
 
+from mptune.params.controller import Feedforward
 from mptune.params.pack import pack_feedforward, pack_gains
 from mptune.sim.judge import set_figures
 from mptune.systems.bench import bench_of
@@ -18,7 +19,7 @@ from mptune.systems.outcome import Outcome
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterable, Iterator
 
-    from mptune.params.controller import Feedforward, Gains
+    from mptune.params.controller import Gains
     from mptune.params.study import ResolvedStudy
     from mptune.params.systems import FourChamber, Systems
     from mptune.sim.record import RunRecord
@@ -26,7 +27,7 @@ if TYPE_CHECKING:
 
 # Position gains [1/s] that are tried where a speed is controlled: steps of a third or less.
 POSITION_GAINS = (1.0, 1.3, 1.7, 2.2, 3.0, 4.0, 5.0, 6.5, 8.0, 10.0, 13.0, 17.0)
-LITERATURE = "literature"
+LITERATURE, ITS_OWN = "literature", "its own"
 
 
 @dataclass(frozen=True)
@@ -61,7 +62,7 @@ class Contender:
     boundary
         Where the boundary of its loss lies.
     literature
-        Under its literature's controller.
+        Under its literature's controller; where it is a study's, under that study's own.
     others
         Under the other controllers that the common rule may choose.
     """
@@ -78,7 +79,7 @@ _IDEAL_LINES = "p_HP·Q_HP; what flows into the low line is lost; the lines are 
 
 
 def contenders(
-    study: ResolvedStudy, tuned: Gains | None = None, feedforward: Feedforward | None = None
+    study: ResolvedStudy, tuned: Gains | None = None, ahead: Feedforward | None = None
 ) -> tuple[Contender, ...]:
     """Return the systems that the study's ``[systems]`` names, but for this machine.
 
@@ -86,15 +87,14 @@ def contenders(
     ----------
     study
         The study.
-    tuned, feedforward
-        The tuner's gains, tried on whatever has this machine's outer loops.
+    tuned, ahead
+        The tuner's gains and feed-forward, tried on whatever has this machine's outer loops.
     """
-    asked = study.study.systems
-    return tuple(_named(study, asked, tuned, feedforward or study.study.feedforward))
+    return tuple(_named(study, study.study.systems, tuned, ahead or study.study.feedforward))
 
 
 def _named(
-    study: ResolvedStudy, asked: Systems, tuned: Gains | None, feedforward: Feedforward
+    study: ResolvedStudy, asked: Systems, tuned: Gains | None, ahead: Feedforward
 ) -> Iterator[Contender]:
     valve, digital, chambers = asked.load_sensing, asked.digital_valves, asked.four_chamber
     if valve is not None:
@@ -104,16 +104,16 @@ def _named(
         run = partial(_speed_run, study, partial(run_digital_valves, system=digital))
         yield _by_speed("digital_valves", "load sensing, digital valves", digital.k_x, run)
     if chambers is not None:
+        under = partial(_by_force, study, chambers)
+        others = [under("the study's own", study.study.gains, study.study.feedforward)]
+        if tuned is not None:
+            others.append(under("tuned", tuned, ahead))
         yield Contender(
             "four_chamber",
             "four-chamber cylinder",
             _IDEAL_LINES,
-            _by_force(study, chambers, LITERATURE, _of_literature(chambers), feedforward),
-            tuple(
-                _by_force(study, chambers, name, gains, feedforward)
-                for name, gains in (("the study's own", study.study.gains), ("tuned", tuned))
-                if gains is not None
-            ),
+            under(LITERATURE, _of_literature(chambers), Feedforward()),
+            tuple(others),
         )
 
 

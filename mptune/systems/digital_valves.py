@@ -33,9 +33,9 @@ from mptune.systems.cylinder import (
     two_chambers,
 )
 from mptune.systems.load_sensing import Pump
-from mptune.systems.sensing import Sensors, sense, settled_sensors
-from mptune.systems.steady_speed import SpeedWeights, cheapest_pair, level_weights, ones
-from mptune.systems.switching import Timing, openings, switch, timing_of
+from mptune.systems.sensing import Sensed, sense, settled_sensors
+from mptune.systems.steady_speed import SpeedWeights, cheapest_pair, level_weights
+from mptune.systems.switching import Timing, ones, openings, switch, timing_of
 from mptune.systems.trace import note
 
 if TYPE_CHECKING:
@@ -91,7 +91,7 @@ def run_digital_valves(
 @kernel
 def _run_ticks(
     state: FloatArray,
-    sensors: Sensors,
+    sensors: Sensed,
     memory: FloatArray,
     levels: IntArray,
     valves: ValveState,
@@ -144,7 +144,7 @@ def _run_ticks(
 
 @kernel
 def _decide(
-    sensors: Sensors,
+    sensors: Sensed,
     memory: FloatArray,
     levels: IntArray,
     speed: float,

@@ -1,8 +1,11 @@
 """A cylinder of four chambers between two lines of constant pressure (§7.1, ref. 8).
 
 A model of its own, kept small: chambers × lines × one valve each. The outer loops are those of this
-machine, Eq. 18 and Eq. 22, and so is the stop logic. What flows back into the low line is lost, as
-in §7.1; the lines keep their pressure, so that what makes them is ideal and the loss errs low.
+machine, Eq. 18 and Eq. 22, and so are the stop logic and the feed-forward, with its preview, its
+jerk and its friction. Two things of this machine are not taken: a mass that is learnt on line, of
+which its start is fed, and the state estimator, for which the filters stand. What flows back into
+the low line is lost, as in §7.1; the lines keep their pressure, so that what makes them is ideal
+and the loss errs low.
 """
 
 from __future__ import annotations
@@ -17,7 +20,12 @@ from mptune.plant.flow import orifice
 from mptune.plant.piston import Burden, burden_at
 from mptune.plant.valve import ValveState, shut_valves
 from mptune.signals.differentiator import differentiated
-from mptune.signals.outer_loop import force_reference, lag_references, outer_law
+from mptune.signals.outer_loop import (
+    acceleration_ahead,
+    force_reference,
+    lag_references,
+    outer_law,
+)
 from mptune.signals.states import FORCE, INTEGRAL, OUTER_STATES, REFERENCE
 from mptune.signals.trajectory import reference
 from mptune.systems.bench import LoadBench, movement_sets
@@ -42,7 +50,7 @@ from mptune.systems.secondary_force import (
     force_range,
     four_chambers,
 )
-from mptune.systems.sensing import Sensors, sense, settled_sensors
+from mptune.systems.sensing import Sensed, sense, settled_sensors
 from mptune.systems.switching import Timing, openings, switch, timing_of
 from mptune.systems.trace import note
 
@@ -68,7 +76,7 @@ def run_four_chamber(
     system
         Cylinder, lines and valves.
     gains, ahead
-        Of the outer loops.
+        Of the outer loops; a mass that is to be learnt stays at its start.
     """
     chambers = four_chambers(system.smallest_area, system.dead_volume)
     largest = np.abs(chambers.area).max()
@@ -84,18 +92,20 @@ def run_four_chamber(
     state[PRESSURE:] = _start_pressures(bench.load, chambers, lines)
     sensors = settled_sensors(bench.start, state[PRESSURE:].copy())
     outer, memory = np.zeros(OUTER_STATES), np.array([0, 1])
-    outer[INTEGRAL], outer[REFERENCE] = bench.load / gains.k_p_vel, bench.start
+    limits, fixed = force_range(chambers, lines), ahead._replace(adaptive=0.0)
+    outer[REFERENCE] = bench.start
+    if gains.k_i_pos > 0:  # what is not integrated cannot have learnt the load
+        outer[INTEGRAL] = min(max(bench.load, limits[0]), limits[1]) / gains.k_p_vel
     valves, opened = shut_valves(), np.zeros((3, 2 * CHAMBERS))
     timing = timing_of(system.delay, system.ramp)
 
     def run_set(trace: FloatArray, begin: float) -> None:
         _run_ticks(
             state, sensors, outer, memory, valves, opened, bench.machine, bench.table, chambers,
-            lines, timing, _ALONE, weights, gains, ahead, bench.sampling_period, bench.signals,
+            lines, timing, _ALONE, weights, gains, fixed, bench.sampling_period, bench.signals,
             bench.moves.pieces, bench.start, begin, bench.substeps, bench.random, trace,
         )  # fmt: skip
 
-    limits = force_range(chambers, lines)
     return movement_sets(
         bench, state, CHAMBERS, CHAMBERS, run_set, lambda: int(valves.counters[0]), limits
     )
@@ -111,7 +121,7 @@ def _start_pressures(load: float, chambers: PistonChambers, lines: Lines) -> Flo
 @kernel
 def _run_ticks(
     state: FloatArray,
-    sensors: Sensors,
+    sensors: Sensed,
     outer: FloatArray,
     memory: IntArray,
     valves: ValveState,
@@ -141,14 +151,15 @@ def _run_ticks(
     law = outer_law(gains, ahead, sampling_period, signals.dead_zone, limits)
     for tick in range(len(trace)):
         now = begin + tick * span
-        step, v_ref, a_ref = reference(tick * span, pieces)
+        step, v_ref, _ = reference(tick * span, pieces)
         x_ref = start + step
         lag_references(outer, law, x_ref, v_ref)
         sense(sensors, state, PRESSURE, signals, random)
         if tick % signals.ticks == 0:
             position = sensors.history[0]
             velocity = differentiated(sensors.history, span)
-            force = force_reference(outer, law, position, velocity, a_ref)
+            fed = acceleration_ahead(tick * span, pieces, ahead)
+            force = force_reference(outer, law, position, velocity, fed)
             stop = stopped(memory[_STOPPED] > 0, x_ref - position, v_ref, signals)
             memory[_STOPPED] = 1 if stop else 0
             if not stop:

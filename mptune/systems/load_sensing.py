@@ -37,7 +37,7 @@ from mptune.systems.cylinder import (
     step_room,
     two_chambers,
 )
-from mptune.systems.sensing import Sensors, sense, settled_sensors
+from mptune.systems.sensing import Sensed, sense, settled_sensors
 from mptune.systems.spool import (
     Spool,
     command_for,
@@ -119,7 +119,7 @@ def run_load_sensing(
 @kernel
 def _run_ticks(
     state: FloatArray,
-    sensors: Sensors,
+    sensors: Sensed,
     memory: FloatArray,
     late: FloatArray,
     machine: Machine,

@@ -98,8 +98,11 @@ class CalibratedValue(Summarised):
     @property
     def headline(self) -> str:
         """The value and both figures about it."""
-        loss = " → ".join(f"{one:.4g}" for one in self.loss_j_per_mm)
-        return f"{self.key} ± {100 * self.change:g} %: loss {loss} J/mm"
+        loss, index = (
+            " → ".join(f"{one:.4g}" for one in three)
+            for three in (self.loss_j_per_mm, self.index_ms)
+        )
+        return f"{self.key} ± {100 * self.change:g} %: loss {loss} J/mm, index {index} ms"
 
     def json(self) -> dict[str, Any]:
         """Return the value in SI; figures keep §7's units."""

@@ -17,7 +17,7 @@ import numpy as np
 
 from mptune.arrays import kernel
 from mptune.systems.cylinder import PistonChambers, volume_of
-from mptune.systems.steady_speed import ones
+from mptune.systems.switching import ones
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray

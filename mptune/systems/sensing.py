@@ -14,7 +14,7 @@ if TYPE_CHECKING:
     from mptune.params.packed import SignalSettings
 
 
-class Sensors(NamedTuple):
+class Sensed(NamedTuple):
     """Position first, then every pressure."""
 
     raw: FloatArray  # (2, 1 + P) the last two samples of each
@@ -22,15 +22,15 @@ class Sensors(NamedTuple):
     history: FloatArray  # (6,) filtered positions, newest first, for Eq. 23
 
 
-def settled_sensors(position: float, pressures: FloatArray) -> Sensors:
+def settled_sensors(position: float, pressures: FloatArray) -> Sensed:
     """Return sensors that have seen a position [m] and pressures [Pa] for long."""
     values = np.concatenate([[position], pressures])
-    return Sensors(np.stack([values, values]), values.copy(), np.full(6, position))
+    return Sensed(np.stack([values, values]), values.copy(), np.full(6, position))
 
 
 @kernel
 def sense(
-    sensors: Sensors,
+    sensors: Sensed,
     state: FloatArray,
     first: int,
     signals: SignalSettings,

@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import kernel
+from mptune.systems.switching import ones
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
@@ -29,16 +30,6 @@ class SpeedWeights(NamedTuple):
     back_pressure: float  # Pa, wanted in the chamber of lower pressure
     pressure: float  # m/(s Pa)
     switching: float  # m/s
-
-
-@kernel
-def ones(number: int) -> int:
-    """Return how many bits of a number are set."""
-    count = 0
-    while number:
-        count += number & 1
-        number >>= 1
-    return count
 
 
 @kernel

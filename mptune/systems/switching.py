@@ -27,6 +27,16 @@ def timing_of(delay: Range, ramp: float) -> Timing:
 
 
 @kernel
+def ones(number: int) -> int:
+    """Return how many bits of a number are set: of a level, how many valves are open."""
+    count = 0
+    while number:
+        count += number & 1
+        number >>= 1
+    return count
+
+
+@kernel
 def switch(
     valves: ValveState,
     valve: int,

@@ -108,4 +108,5 @@ def record_of(
         force_limits=force_limits,
         broken=broken,
         pressures=trace[:, PRESSURES : PRESSURES + chambers],
+        commands=moves.commands,
     )

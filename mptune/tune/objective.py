@@ -118,14 +118,16 @@ class Judge:
             peak_compliance=float(running.peak_compliance.max()) if running else np.nan,
         )
 
-    def tracking_peaks(self, choice: Choice, rows: IntArray | None = None) -> FloatArray:
+    def tracking_peaks(
+        self, choice: Choice, rows: IntArray | None = None, *, running_away: bool = False
+    ) -> FloatArray:
         """Return each plant's, move's and time window's peak error over its peak velocity [s].
 
         See ``mptune.robust.tracking``.
         """
         rows = self._tracking if rows is None else rows
-        model = choice.put_over(self._model)
-        return family_tracking(model, choice.gains, choice.feedforward, rows)
+        model, ahead = choice.put_over(self._model), choice.feedforward
+        return family_tracking(model, choice.gains, ahead, rows, running_away=running_away)
 
     def disk_margins(self, choice: Choice) -> FloatArray:
         """Return each plant's disk margin as it runs, negative where unstable; empty if none."""

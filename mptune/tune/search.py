@@ -30,6 +30,7 @@ _ROUNDS = 8
 _REPEATS, _GAINED = 6, 1e-3  # of a polish, and what makes another one worth its while
 _SAME = 1e-4  # of the objective: two starts that end so near have found the same optimum
 _LEAST_STARTS = 5  # before two that agree are believed
+_AGREED = 3  # starts that end as far from the requirements, and none nearer: then no more are tried
 _BROKEN = 20.0  # weight of a broken requirement, as a logarithm, beside the cost's
 _BINDING = 2e-3  # of a logarithm
 _MET = 1e-5  # an excess that counts as none
@@ -141,16 +142,17 @@ class GainSearch:
     def _improve(self, starts: Iterable[FloatArray], progress: Progress) -> Searched:
         outcomes: list[Polished] = []
         for n, start in enumerate(starts):
-            outcomes.append(self._from(start))
+            outcomes.append(self._from(start, blocked=n > 0 and not _any_feasible(outcomes)))
             progress("tune", 0.7 * (n + 1) / (n + 2))
             alone = not self._space.crowded
-            if n + 1 >= _LEAST_STARTS and (alone or self._model.estimated) and _agree(outcomes):
+            settled = _agree(outcomes) and (alone or self._model.estimated)
+            if n + 1 >= _LEAST_STARTS and (settled or _agree_on_none(outcomes)):
                 break
         best = min(outcomes, key=_rank)
         if not _agree(outcomes):
             best = self._settled(best)
         if not best.values.feasible:
-            best = self._nearest(best)
+            best = self._nearest(best.point)
             best = self._again(best) if best.values.feasible else best
         rounds: list[Round] = []
         for n in range(_ROUNDS):
@@ -168,7 +170,7 @@ class GainSearch:
                 break
         feasible = best.values.feasible and largest <= _MET
         if not feasible:
-            best = self._nearest(best)
+            best = self._nearest(best.point)
             choice = self._space.choice(best.point)
             asked = self._judge.grow(choice, self._worth.kinds)[0]
             by = choice.put_over(self._model).filters
@@ -188,13 +190,13 @@ class GainSearch:
     def _again(self, best: Polished) -> Polished:
         """Return a point polished once more, plants having been added."""
         if not best.values.feasible:
-            return self._nearest(best)
+            return self._nearest(best.point)
         return self._settled(self._polish(best.point))
 
-    def _nearest(self, best: Polished) -> Polished:
+    def _nearest(self, start: FloatArray) -> Polished:
         """Return the point nearest to every requirement, whatever the objective."""
         count = len(self._worth.names())  # plants may have been added since the point was found
-        return self._polish(best.point, np.ones(count, np.bool_))
+        return self._polish(start, np.ones(count, np.bool_))
 
     def _starts(self, first: Choice | None) -> Iterable[FloatArray]:
         if first is not None:
@@ -210,12 +212,17 @@ class GainSearch:
         broken = max(float(values.excesses.max(initial=-1.0)), 0.0)
         return float(np.log(max(values.cost, 1e-300))) + _BROKEN * broken
 
-    def _from(self, start: FloatArray) -> Polished:
-        """Return the outcome from a start, going by the nearest requirements where it must."""
-        found = self._polish(start)
-        if found.values.feasible:
-            return found
-        nearest = self._nearest(found)
+    def _from(self, start: FloatArray, *, blocked: bool) -> Polished:
+        """Return the outcome from a start, going by the nearest requirements where it must.
+
+        Where no start before it came to keep them, the objective waits until they are kept.
+        """
+        if not blocked:
+            found = self._polish(start)
+            if found.values.feasible:
+                return found
+            start = found.point
+        nearest = self._nearest(start)
         return self._polish(nearest.point) if nearest.values.feasible else nearest
 
     def _settled(self, best: Polished) -> Polished:
@@ -257,6 +264,22 @@ def _agree(outcomes: list[Polished]) -> bool:
     first, second = sorted(outcomes, key=_rank)[:2]
     near = second.values.cost - first.values.cost <= _SAME * abs(first.values.cost)
     return first.values.feasible and second.values.feasible and near
+
+
+def _any_feasible(outcomes: list[Polished]) -> bool:
+    return any(one.values.feasible for one in outcomes)
+
+
+def _agree_on_none(outcomes: list[Polished]) -> bool:
+    """Return whether no outcome keeps the requirements and the nearest are equally far from it.
+
+    More starts would hardly come nearer: that they cannot be kept is as good as a local search can
+    say, and errs towards infeasible.
+    """
+    if _any_feasible(outcomes) or len(outcomes) < _AGREED:
+        return False
+    over = sorted(_rank(one)[0] for one in outcomes)
+    return over[_AGREED - 1] - over[0] <= _SAME
 
 
 def _rank(outcome: Polished) -> tuple[float, float]:

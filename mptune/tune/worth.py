@@ -120,7 +120,7 @@ class Worth:
     def _values(self, choice: Choice, kind: str) -> FloatArray:
         """Return what is to be small of one kind of objective."""
         if kind == "tracking":
-            return self._judge.tracking_peaks(choice)
+            return self._judge.tracking_peaks(choice, running_away=True)
         if kind == "load-step":
             return self._judge.load_peaks(choice.gains)
         if kind == "robustness":  # positive, and smooth where α passes through 0

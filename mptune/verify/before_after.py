@@ -108,7 +108,7 @@ def changes(before: VerifyResult, after: VerifyResult) -> tuple[Change, ...]:
     )
 
 
-def in_a_sentence(found: Iterable[Change]) -> str:
+def in_a_sentence(found: Iterable[Change], which: str = "the tuned gains") -> str:
     """Return what became better and worse, with the masses, and what stayed equal at all."""
     by_figure: dict[str, dict[Mark, list[Change]]] = defaultdict(lambda: defaultdict(list))
     for one in found:
@@ -122,7 +122,7 @@ def in_a_sentence(found: Iterable[Change]) -> str:
         for mark in (Mark.BETTER, Mark.WORSE, Mark.EQUAL)
     }
     said = [f"{mark.value} in {', '.join(texts)}" for mark, texts in words.items() if texts]
-    return f"On the machine the tuned gains are {'; '.join(said)}." if said else ""
+    return f"On the machine {which} are {'; '.join(said)}." if said else ""
 
 
 def named(key: str) -> str:

@@ -145,7 +145,8 @@ class VerifyResult(Summarised, Drawn, Labelled):
         return f"Verification of {self.study.name}: {stable} of {len(self.cases)} machines stable"
 
     def _drawn_with(self, _drawing: str) -> tuple[Any, ...]:
-        return (max(self.worst_per_mass(), key=lambda case: case.badness),)
+        worst = max(self.worst_per_mass(), key=lambda case: case.badness)
+        return worst, self.feedforward
 
     def to_pandas(self) -> pd.DataFrame:
         """Return one row per machine, columns as in JSON."""

@@ -4,9 +4,8 @@ import time
 
 import pytest
 
-from mptune.job.report import draw, report
+from mptune.job.report import draw, linear_part, report, results_of
 from mptune.job.run import run
-from mptune.robust.encirclements import encirclements
 
 pytestmark = pytest.mark.bench
 
@@ -15,10 +14,10 @@ def test_report_of_the_boom_study(load_boom, tmp_path):
     brief = ("verification.repeats=3", "verification.seeds=[1]")
     result = run(load_boom(*brief), tmp_path)
     start = time.perf_counter()
-    counts = encirclements(result.tuned.sweep)
-    figures, _ = draw(result, counts)
+    linear = linear_part(result.tuned.sweep, result.moves)
+    figures = draw(result, linear)
     drawn = time.perf_counter()
-    pdf, html = report(tmp_path, result, counts, figures)
+    pdf, html = report(tmp_path, results_of(tmp_path, result, linear), figures)
     end = time.perf_counter()
     sizes = [path.stat().st_size / 1e6 for path in (pdf, html)]
     print(f"figures {drawn - start:.1f} s, reports {end - drawn:.1f} s")

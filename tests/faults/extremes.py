@@ -9,6 +9,8 @@ from __future__ import annotations
 
 import itertools
 import random
+import types
+import typing
 from typing import NamedTuple
 
 from pydantic import BaseModel
@@ -28,9 +30,17 @@ def fields():
     yield from _fields("", Study)
 
 
+def model_within(kind):
+    """Return the model that a field holds, or may hold; None where it holds none."""
+    kinds = typing.get_args(kind) if isinstance(kind, types.UnionType) else (kind,)
+    models = [one for one in kinds if isinstance(one, type) and issubclass(one, BaseModel)]
+    return models[0] if models else None
+
+
 def _fields(prefix, model):
     for name, field in model.model_fields.items():
         extra, kind = field.json_schema_extra, field.annotation
+        kind = model_within(kind) or kind
         if isinstance(kind, type) and issubclass(kind, BaseModel):
             if name not in {"campaign", "identification", "requirements", "objective"}:
                 yield from _fields(f"{prefix}{name}.", kind)
@@ -125,3 +135,8 @@ def moves():
             values = f'kind="{kind}", distance="{distance}", duration="{duration}", rest="{rest}"'
             text = f"manoeuvre=[{{{values}, cycles={cycles}}}]"
             yield Extreme(f"{kind} moves", (text,))
+    for speed, ramp, duration in itertools.product(
+        ("10 m/s", "-1e-9 m/s", "50 mm/s"), ("1e-9 s", "0.1 s", "1e4 s"), ("1e-9 s", "2 s", "1e4 s")
+    ):
+        values = f'speed="{speed}", ramp="{ramp}", duration="{duration}", rest="1 s"'
+        yield Extreme("velocity moves", (f'manoeuvre=[{{kind="velocity", {values}}}]',))

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from pydantic import BaseModel
+from extremes import model_within
 
 from mptune.params.study import Study
 
@@ -60,8 +60,9 @@ def fields(prefix="", model=Study):
     """Yield the dotted key of every field, and whether it is a quantity."""
     for name, field in model.model_fields.items():
         kind, extra = field.annotation, field.json_schema_extra
-        if isinstance(kind, type) and issubclass(kind, BaseModel):
-            yield from fields(f"{prefix}{name}.", kind)
+        within = model_within(kind)
+        if within is not None:
+            yield from fields(f"{prefix}{name}.", within)
         yield f"{prefix}{name}", isinstance(extra, dict) and "unit" in extra
 
 

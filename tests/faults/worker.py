@@ -21,6 +21,7 @@ BRIEF = (
     'verification.oil_bulk_moduli=["1200 MPa"]',
     _THERE_AND_BACK,
 )
+_TUNED = {"least", "largest", "two at once"}  # kinds that are tuned as well: a search takes longest
 _PATIENCE = 5  # s by the clock for one of the processor, after which a study hangs
 _FEW = 100_000  # ticks: the nonlinear machine runs as well
 
@@ -34,8 +35,8 @@ class Outcome(NamedTuple):
     megabytes: float  # that the process grew by
 
 
-def run(study):
-    """Sweep a study, check it in time, and draw what a report draws of it."""
+def run(study, *, tuned=False):
+    """Sweep a study, check it in time, and draw what a report draws of it; tune it where asked."""
     from mptune.figures.moves import move_traces
     from mptune.figures.panels import four_panels
     from mptune.figures.sensitivity import load_response, sensitivity_functions
@@ -43,6 +44,7 @@ def run(study):
     from mptune.robust.chain import chain
     from mptune.robust.sweep import sweep
     from mptune.sim.sampled import linear_moves
+    from mptune.tune.tuner import tune
     from mptune.verify.verify import verify
 
     swept = sweep(study)
@@ -55,6 +57,8 @@ def run(study):
     ticks = sum(move.duration + move.rest for move in said.manoeuvre)
     if ticks / said.controller.fast_sampling_period < _FEW:
         verify(study)
+    if tuned:
+        tune(study)
 
 
 def _work(pipe, path, extremes):
@@ -62,13 +66,14 @@ def _work(pipe, path, extremes):
     from mptune.params.load import load_study
 
     warnings.simplefilter("error", RuntimeWarning)
-    run(load_study(path, BRIEF))  # compiles and imports what the others use
+    run(load_study(path, BRIEF), tuned=True)  # compiles and imports what the others use
     pipe.send(None)
     for extreme in extremes:
         before = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
         begun = time.process_time()
         try:
-            run(load_study(path, (*BRIEF, *extreme.overrides)))
+            study = load_study(path, (*BRIEF, *extreme.overrides))
+            run(study, tuned=extreme.kind in _TUNED)
             words = "done"
         except InputError:
             words = "refused"

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import errno
 import os
+import subprocess
+import sys
 
 import pytest
 
@@ -133,3 +135,29 @@ def test_a_folder_for_results_under_a_file_is_an_input_error(tmp_path):
     (tmp_path / "file").write_text("x")
     with pytest.raises(InputError, match="choose another folder"):
         make_folder(tmp_path / "file" / "sub")
+
+
+@pytest.mark.skipif(os.name != "posix", reason="processes of POSIX")
+def test_what_a_killed_writer_has_left_is_cleared_by_the_next_and_a_living_one_s_is_not(
+    tmp_path, monkeypatch
+):
+    path = tmp_path / "gains.toml"
+    parts = {}
+
+    def seen(_descriptor):
+        (parts["own"],) = tmp_path.glob(".*")
+
+    monkeypatch.setattr(files.os, "fsync", seen)
+    write_whole(path, "one")
+    with subprocess.Popen([sys.executable, "-c", ""]) as dead:
+        dead.wait()
+    mark = f"-{os.getpid()}-"
+    left = parts["own"].with_name(parts["own"].name.replace(mark, f"-{dead.pid}-"))
+    other = tmp_path / left.name.replace("gains", "gains-verified")
+    living = parts["own"].with_name(parts["own"].name.replace(mark, f"-{os.getppid()}-"))
+    for one in (left, other, living):
+        one.write_text("half")
+    monkeypatch.undo()
+    write_whole(path, "two")
+    assert sorted(tmp_path.iterdir()) == sorted([path, other, living])
+    assert path.read_text() == "two"

@@ -24,6 +24,10 @@ from mptune.units import UnitError, parse_quantity
         ("2.357e-7 m^3/(s Pa^0.5)", "m^3/(s Pa^0.5)", 2.357e-7),
         ("2e11 N s/m^6", "N s/m^6", 2e11),
         ("13 1/s", "1/s", 13.0),
+        ("46.96/s", "1/s", 46.96),
+        ("22 /s²", "1/s^2", 22.0),
+        ("10 l/min at 0.5 MPa", "m^3/(s Pa^0.5)", 1e-2 / 60 / 0.5e6**0.5),
+        ("40 l/min @ 5 bar", "m^3/(s Pa^0.5)", 4e-2 / 60 / 0.5e6**0.5),
         ("24.5t", "kg", 24500.0),
         ("  5   mm ", "m", 0.005),
         ("-35 mm", "m", -0.035),
@@ -87,6 +91,8 @@ def test_a_scaled_decimal_is_the_nearest_float_and_not_its_neighbour(text, unit,
         ("-inf Pa", "Pa", "finite"),
         ("1e999 Pa", "Pa", "finite"),
         ("1 m/0", "m", "unreadable unit"),
+        ("5 mm at 3 Pa", "m", "unreadable unit"),
+        ("1 //s", "1/s", "unreadable unit"),
         ("1 m; import os", "m", "unreadable unit"),
         ("1 __import__('os')", "m", "unreadable unit"),
         ("1 " + "m*" * 5000 + "m", "m", "unreadable unit"),
@@ -97,6 +103,22 @@ def test_what_is_no_quantity_is_refused_with_the_rule(text, unit, rule):
         parse_quantity(text, unit)
     assert rule in caught.value.rule
     assert unit in caught.value.remedy
+
+
+@pytest.mark.parametrize(
+    ("text", "rule"),
+    [
+        ("10 l/min at 0 MPa", "is rated at no pressure drop"),
+        ("10 l/min at -5 bar", "is rated at no pressure drop"),
+        ("10 mm at 5 bar", "wrong dimension"),
+        ("10 l/min at 5 s", "wrong dimension"),
+        ("10 l/min at", "wrong dimension"),
+        ("10 l/min at 5 bar at 3 bar", "unreadable unit"),
+    ],
+)
+def test_a_rated_flow_that_is_none_is_refused(text, rule):
+    with pytest.raises(UnitError, match=rule):
+        parse_quantity(text, "m^3/(s Pa^0.5)")
 
 
 def test_degrees_fahrenheit_have_their_offset_too():

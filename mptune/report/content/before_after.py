@@ -31,9 +31,9 @@ def beside_the_paper(results: Results) -> Tabular:
         rows[0] += [milliseconds(MEASURED_INDEX_RANGE.get(mass)), _linear(results, mass)]
     by_place = {(one.key, one.mass_kg): one for one in results.changes}
     for key in FIGURES if by_place else ():
-        row: list[str | Cell] = [_heading(key)]
+        row: list[str | Cell] = [heading(key)]
         for mass in masses:
-            row += [_paper(key, mass), _pair(by_place[key, mass])]
+            row += [_paper(key, mass), pair_text(by_place[key, mass])]
         rows.append(row)
     if not all(verified is None or verified.satisfied for verified in _both(results)):
         stable: list[str | Cell] = ["stable runs"]
@@ -46,7 +46,8 @@ def beside_the_paper(results: Results) -> Tabular:
     return Tabular("Before and after, beside the paper", columns, rows)
 
 
-def _heading(key: str) -> str:
+def heading(key: str) -> str:
+    """Return a figure's name with its unit, as the first cell of its row."""
     one = merit(key)
     return named(key) if one.unit == "1" else f"{named(key)} [{one.printed_unit}]"
 
@@ -59,7 +60,8 @@ def _linear(results: Results, mass: float) -> str:
     return " → ".join(both)
 
 
-def _pair(change: Change) -> str | Cell:
+def pair_text(change: Change) -> str | Cell:
+    """Return a figure before and after, and which of them is better."""
     one = merit(change.key)
     text = f"{one.text(change.before)} → {one.text(change.after)}, {change.mark}"
     return Cell(text, _LOOKS[change.mark]) if change.mark in _LOOKS else text

@@ -51,6 +51,10 @@ _FAILS = {
     "with_path": "true loop unstable, with measurement path",
     "sampled": "loop as it runs unstable",
 }
+_LEGEND = (
+    "Some plant attains the first value; none of the box is beyond the second at any frequency. "
+    "—: no figure of this model."
+)
 
 
 def certificates(results: Results) -> Chapter | None:
@@ -73,7 +77,7 @@ def certificates(results: Results) -> Chapter | None:
         ),
         *bounds(found).titled(),
         Note(
-            "Attained ≤ guaranteed (≥ for the disk margin); ∞: the box holds an unstable plant. "
+            "∞: the box holds an unstable plant. "
             "What could not be closed within its budget is marked open; both bounds then hold."
         ),
         *radii(found).titled(),
@@ -92,7 +96,7 @@ def bounds(found: Certificates) -> Tabular:
         for loop, figure in named
     ]
     columns = [*left("Figure"), *right(*(_PATHS[path] for path in paths))]
-    return Tabular("Certified over the whole box", columns, rows)
+    return Tabular("Certified over the whole box", columns, rows, legend=_LEGEND)
 
 
 def _bound(one: Bound | None) -> str | Cell:

@@ -27,6 +27,7 @@ from mptune.report.blocks import (
     verdict,
     wide,
 )
+from mptune.report.content.commanded import followed_speeds
 from mptune.sim.merit import TABULATED, merit
 from mptune.units import number
 
@@ -115,6 +116,7 @@ def nonlinear_machine(results: Results) -> Chapter | None:
             "Loss: accumulator power less piston power, per millimetre of travel. "
             + busiest_valve(verified)
         ),
+        *followed_speeds(verified),
         *_measured(verified).titled(),
         Note(
             "The paper's figures are of its published gains; here the gains of the first page were "
@@ -213,7 +215,7 @@ def index_text(cases: Sequence[LinearMove]) -> str:
     """Return the largest performance index [ms] of linear cases."""
     if not all(case.stable for case in cases):
         return "unstable"
-    return f"{max(case.performance_index_ms for case in cases):.1f}"
+    return _fixed(max(case.performance_index_ms for case in cases))
 
 
 def milliseconds(pair: tuple[float, float] | None) -> str:
@@ -224,9 +226,13 @@ def milliseconds(pair: tuple[float, float] | None) -> str:
 def _span(cases: list[CaseResult], name: str, digits: int = 1) -> str:
     low = min(case.span(name)[0] for case in cases)
     high = max(case.span(name)[1] for case in cases)
-    return f"{low:.{digits}f}–{high:.{digits}f}"
+    return "—" if math.isnan(low) else f"{low:.{digits}f}–{high:.{digits}f}"
 
 
 def _means(cases: list[CaseResult], name: str) -> str:
     means = [case.mean(name) for case in cases]
-    return f"{min(means):.1f}–{max(means):.1f}"
+    return "—" if math.isnan(means[0]) else f"{min(means):.1f}–{max(means):.1f}"
+
+
+def _fixed(value: float) -> str:
+    return "—" if math.isnan(value) else f"{value:.1f}"

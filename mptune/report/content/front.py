@@ -40,6 +40,10 @@ if TYPE_CHECKING:
 
 
 NOT_RUN = "The nonlinear machine was not run: the requirements are to be met first."
+_GROUNDS = (
+    "Certified: proved for the whole box; grid only: found on the plants of a grid. "
+    "—: rests on no family of plants, or on none of them alone."
+)
 
 
 def front_page(results: Results) -> FrontPage:
@@ -90,6 +94,8 @@ def _status(results: Results) -> Iterator[str]:
         yield in_a_sentence(results.changes)
     elif results.verified is None and results.verdict.word not in (Headline.MET, Headline.ON_PAPER):
         yield NOT_RUN
+    if results.papers_frame is not None:
+        yield results.papers_frame.brief
 
 
 def tuning(tuned: TuneResult) -> list[str]:
@@ -101,9 +107,12 @@ def tuning(tuned: TuneResult) -> list[str]:
         f"{1e3 * before.tracking:.2f} → {1e3 * after.tracking:.2f} ms, integral gain "
         f"{before.integral_gain:.3g} → {after.integral_gain:.3g} 1/s², load step "
         f"{1e6 * before.load_step:.3g} → {1e6 * after.load_step:.3g} mm/kN, bandwidth "
-        f"{before.bandwidth:.3g} → {after.bandwidth:.3g} rad/s."
+        f"{before.bandwidth:.3g} → {after.bandwidth:.3g} rad/s"
     )
-    texts = [f"Tuning: {tuned.status.value}.", gained]
+    if after.disk_margin == after.disk_margin:  # else no hold fits into some delay
+        both = number(before.disk_margin, 3), number(after.disk_margin, 3)
+        gained += f", disk margin α as it runs {both[0]} → {both[1]}"
+    texts = [f"Tuning: {tuned.status.value}.", f"{gained}."]
     if tuned.binding:
         texts.append(f"The gains lie at: {', '.join(tuned.binding)}.")
     blocking = tuned.blocking
@@ -119,6 +128,13 @@ def tuning(tuned: TuneResult) -> list[str]:
     return texts
 
 
+_MEASURED = {
+    "none": "without the measurement path",
+    "filters": "with the measurement path",
+    "estimator": "with the state estimator",
+}
+
+
 def warnings(swept: SweepResult) -> list[str]:
     """Return what the verdict does not say: undecided, unstable and unevaluated."""
     undecided = undecided_text(swept)
@@ -126,13 +142,12 @@ def warnings(swept: SweepResult) -> list[str]:
     for family in swept.families:
         if not family.unstable_count:
             continue
-        filtered = family.path != "none"
         found.append(
             f"{family.unstable_count} of {len(family.stable)} plants are unstable "
-            f"{'with' if filtered else 'without'} the measurement path, for instance "
+            f"{_MEASURED[family.path]}, for instance "
             f"{place_text(family.first_unstable())}."
         )
-        if filtered and swept.study.study.model.measurement_path == "none":
+        if family.path != "none" and swept.study.study.model.measurement_path == "none":
             found[-1] += " Eq. 17 and Eq. 21 as stated leave that path out."
     found += [
         f"{check.label} {check.limit}: cannot be evaluated, as some total delay is below half a "
@@ -193,7 +208,8 @@ def requirements(checks: Iterable[Check]) -> Tabular:
         for check in checks
     ]
     columns = [*left("Requirement", "Limit"), *right("Found"), *left("Verdict", "Rests on")]
-    return Tabular("Requirements", [*columns, wide("Where", detail=True)], rows)
+    columns.append(wide("Where", detail=True))
+    return Tabular("Requirements", columns, rows, legend=_GROUNDS)
 
 
 def differs(found: Iterable[Difference], title: str = "Made for another model") -> Tabular:

@@ -36,6 +36,19 @@ if TYPE_CHECKING:
     from mptune.robust.result import Condition, SweepResult
 
 _PATHS = {"none": "without", "filters": "with path", "estimator": "with state estimator"}
+_OF_CONDITIONS = (
+    "Ratio: largest left over right side, attained; at most: never exceeded. Premises: the nominal "
+    "loop is stable, and both plants have as many unstable poles."
+)
+_OF_MARGINS = (
+    "M_S, M_T: peaks of |S| and |T|. Gain margin: factor up to which the loop's gain may rise; "
+    "gain reduction: factor down to which it may fall, 0 where as far as one likes. Delay margin: "
+    "further dead time. Disk margin α: gain and phase change at once. —: not asked of this model."
+)
+_OF_FACTORS = (
+    "Factor: where stability is lost, or for Eq. 17 and 21 no longer guaranteed. Guaranteed: "
+    "proved for the whole box; —: rests on a grid, or on runs."
+)
 
 
 def inequalities(results: Results) -> Chapter:
@@ -86,7 +99,7 @@ def conditions(swept: Mapping[str, SweepResult]) -> Tabular:
         wide("Worst at"),
         *left("Premises", "Verdict"),
     ]
-    return Tabular("Robust stability over the family", columns, rows)
+    return Tabular("Robust stability over the family", columns, rows, legend=_OF_CONDITIONS)
 
 
 def _condition(condition: Condition) -> list[str | Cell]:
@@ -178,9 +191,11 @@ def loop_plots(results: Results) -> Chapter:
         *margins(results.sweep).titled(),
         Note(
             "Smallest or largest over all plants; the delay margin is the least φ(ω)/ω over the "
-            "crossovers, α the symmetric disk margin. A dash: some plant is unstable, so that the "
-            "family has no such margin. At F_ref: both loops closed, broken at the force "
-            "reference; sampled: as the target runs it, held and decided at the sampling period."
+            "crossovers, α the symmetric disk margin, the compliance the largest |S|/(mω²), "
+            "position over load force, which only the loop at F_ref has. Another dash: some plant "
+            "is unstable, so that the family has no such margin. At F_ref: both loops closed, "
+            "broken at the force reference; sampled: as the target runs it, held and decided at "
+            "the sampling period."
         ),
         new_page=True,
     )
@@ -229,7 +244,7 @@ def margins(swept: SweepResult) -> Tabular:
     columns = [Column("Margin"), *right(*(f"velocity\n{path}" for path in paths))]
     columns += right(*(f"position\n{path}" for path in paths))
     columns += right(*(f"at F_ref\n{path}" for path in (*paths, "sampled")))
-    return Tabular("Worst margins of the true family", columns, rows)
+    return Tabular("Worst margins of the true family", columns, rows, legend=_OF_MARGINS)
 
 
 def sensitivities(results: Results) -> Chapter:
@@ -237,16 +252,17 @@ def sensitivities(results: Results) -> Chapter:
     peaks = [
         number(family.worst("sensitivity_peak", FORCE)[0], 3) for family in results.sweep.families
     ]
+    measured = "state estimator" if results.sweep.model.estimated else "measurement path"
     return Chapter.of(
         "Sensitivity functions and load step",
         Figure(
             "|S| and |T| of the velocity loop, of the position loop and of the loop at F_ref over "
-            "the family. Dotted: the plant with the highest |S| once the measurement path is in "
-            "the loop.",
+            f"the family. Dotted: the plant with the highest |S| once the {measured} is in the "
+            "loop.",
             "sensitivity",
         ),
         Prose(
-            f"Worst M_S at F_ref over the family: {peaks[0]} without the measurement path, "
+            f"Worst M_S at F_ref over the family: {peaks[0]} without the {measured}, "
             f"{peaks[1]} with it (a dash: some plant is unstable)."
         ),
         Figure(
@@ -294,7 +310,7 @@ def gain_factors(links: Sequence[Link]) -> Tabular:
         for link in links
     ]
     columns = [*left("Model"), *right("Factor", "Guaranteed"), wide("Limited by")]
-    return Tabular("How far the gain at F_ref may rise", columns, rows)
+    return Tabular("How far the gain at F_ref may rise", columns, rows, legend=_OF_FACTORS)
 
 
 def factors_text(links: Sequence[Link]) -> str:

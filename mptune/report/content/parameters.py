@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from mptune.loops.family import derived_time_constants
 from mptune.params.paper import LEDGER
+from mptune.params.requirements import Requirements
 from mptune.params.section import Section
 from mptune.report.blocks import (
     Block,
@@ -14,10 +15,12 @@ from mptune.report.blocks import (
     Prose,
     Row,
     Tabular,
+    left,
+    right,
     symbol,
     wide,
 )
-from mptune.units import shown
+from mptune.units import number, shown
 
 if TYPE_CHECKING:
     from collections.abc import Iterator
@@ -56,7 +59,51 @@ def _sections(study: ResolvedStudy) -> Iterator[Block]:
             for key, unit, mark, meaning in part.quantities()
             if getattr(part, key) is not None
         ]
+        if isinstance(part, Requirements):
+            rows = [*_ratios(part, study), *rows, *_bounds(part, study)]
         yield from Tabular(name, columns, rows).titled()
+    yield from _moves(study).titled()
+
+
+def _ratios(asked: Requirements, study: ResolvedStudy) -> Iterator[Row]:
+    """Yield the largest allowed ratios, which are numbers or curves over frequency."""
+    for key, equation in (("velocity_ratio", "Eq. 17"), ("position_ratio", "Eq. 21")):
+        ratio = getattr(asked, key)
+        values = ((None, ratio),) if isinstance(ratio, float) else ratio
+        text = ", ".join(
+            number(value) if at is None else f"{number(value)} at {number(at)} rad/s"
+            for at, value in values
+        )
+        source = study.study.source_of(f"requirements.{key}") or "this study"
+        yield ["", f"largest left/right ratio of {equation}", text, Cell(source, "small")]
+
+
+def _bounds(asked: Requirements, study: ResolvedStudy) -> Iterator[Row]:
+    """Yield the bounds of single gains."""
+    for key, unit, mark, meaning in asked.bounds.quantities():
+        pair = getattr(asked.bounds, key)
+        if pair is not None:
+            source = study.study.source_of(f"requirements.bounds.{key}") or "this study"
+            text = shown(pair, unit, ranged=True)
+            yield [symbol(mark), meaning, text, Cell(source, "small")]
+
+
+def _moves(study: ResolvedStudy) -> Tabular:
+    """Return the movement set, move by move."""
+    rows: list[Row] = [
+        [
+            str(count),
+            move.kind,
+            shown(move.net_distance, "m"),
+            f"{move.duration:g} s",
+            f"{move.rest:g} s",
+            shown(move.peak_velocity, "m/s"),
+        ]
+        for count, move in enumerate(study.study.manoeuvre, 1)
+    ]
+    columns = [*left("Move", "Shape"), *right("Distance", "Time", "Rest", "Peak velocity")]
+    legend = study.study.source_of("manoeuvre.distance")
+    return Tabular("manoeuvre", columns, rows, legend=legend)
 
 
 def ledger(_results: Results | None = None) -> Chapter:
@@ -68,4 +115,4 @@ def ledger(_results: Results | None = None) -> Chapter:
     columns = [wide("Where", 2.2), wide("The paper reads", 3.2), wide("Used here", 4)]
     columns.append(wide("Why", 7.6))
     table = Tabular("Where mptune differs from the paper", columns, rows, keep=False)
-    return Chapter(table.title, [table], new_page=True)
+    return Chapter(table.title, [table])

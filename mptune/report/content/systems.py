@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
-from mptune.params.paper import OTHER_SYSTEMS
+from mptune.params.paper import MEASURED_INDEX_RANGE, MEASURED_LOSS, OTHER_SYSTEMS
 from mptune.report.blocks import (
     Block,
     Cell,
@@ -25,7 +25,6 @@ from mptune.units import number, shown
 if TYPE_CHECKING:
     from collections.abc import Iterator, Sequence
 
-    from mptune.params.section import Section
     from mptune.report.results import Results
 
 RULE = (
@@ -45,8 +44,8 @@ def systems(results: Results) -> Chapter | None:
     return Chapter.of(
         "Other systems under the same load",
         Figure(
-            "Loss over index: filled by its literature's controller, open by the best one under "
-            "the common rule; dotted, the losses that §7 tells.",
+            "Loss over index: filled by its literature's controller or a study's own gains, open "
+            "by the best one under the common rule; dotted, the losses that §7 tells.",
             "systems",
         ),
         Prose(RULE),
@@ -64,10 +63,9 @@ def systems(results: Results) -> Chapter | None:
 
 def compared(rows: Sequence[dict[str, Any]]) -> Tabular:
     """Return the table of all runs, beside what §7 tells."""
-    told = {one.key: one for one in OTHER_SYSTEMS}
     body: list[Row] = []
     for run in (one for one in rows if one["kind"] == "run"):
-        paper = told.get(run["system"])
+        index, loss = _told(run["system"], run["mass_kg"])
         body.append(
             [
                 run["title"],
@@ -75,9 +73,9 @@ def compared(rows: Sequence[dict[str, Any]]) -> Tabular:
                 f"{run['mass_kg'] / 1e3:g}",
                 _text(run[_INDEX.key]) if run["stable"] else Cell("not stable", "bad"),
                 _text(run["reference_index_ms"]),
-                paper.index if paper else "–",
+                index,
                 _text(run[_LOSS.key]),
-                number(paper.loss, 3) if paper else "–",
+                loss,
                 _text(run["returned_j_per_mm"]),
                 _text(run[_FORCE.key]),
                 _text(run["valve_switches"]),
@@ -94,6 +92,17 @@ def compared(rows: Sequence[dict[str, Any]]) -> Tabular:
         *right("Residual", detail=True),
     ]
     return Tabular("Systems under the same load and moves", columns, body, keep=False)
+
+
+def _told(system: str, mass: float) -> tuple[str, str]:
+    """Return what §7 tells of a system's index [ms] and loss [J/mm] on a mass [kg]."""
+    for one in OTHER_SYSTEMS:
+        if one.key == system and one.mass in {None, mass}:
+            return one.index, number(one.loss, 3)
+    if system != "this_machine" or mass not in MEASURED_LOSS:
+        return "–", "–"
+    least, largest = MEASURED_INDEX_RANGE[mass]
+    return f"{number(1e3 * least, 2)}–{number(1e3 * largest, 2)}", number(MEASURED_LOSS[mass], 3)
 
 
 def boundaries(rows: Sequence[dict[str, Any]]) -> Tabular:
@@ -128,10 +137,7 @@ def _parameters(results: Results) -> Iterator[Block]:
     """Yield each system's parameters with the word of their source."""
     asked = results.study.study.systems
     columns = [wide("Symbol", 1.6), wide("Meaning", 5.2), wide("Value", 3.6), wide("Source", 6.6)]
-    for name in type(asked).model_fields:
-        part: Section | float | None = getattr(asked, name)
-        if part is None or isinstance(part, int | float):
-            continue
+    for name, part in asked.parts().items():
         body: list[Row] = [
             [
                 symbol(mark),

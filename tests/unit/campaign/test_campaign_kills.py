@@ -17,7 +17,6 @@ pytestmark = [
     pytest.mark.skipif(os.name != "posix", reason="signals of POSIX"),
 ]
 
-KILLS = 10
 # xarray asks for distributed when it writes, where that is installed.
 PRELOADED = ["mptune.campaign.campaign", "joblib", "xarray", "h5netcdf", "distributed"]
 
@@ -30,15 +29,17 @@ def chunks(folder):
     return {path: path.stat().st_mtime_ns for path in (folder / "campaign").glob("chunk-*.nc")}
 
 
-def test_ten_kills_leave_the_campaign_as_if_there_had_been_none(plan, run, tmp_path):
-    one = plan("runs=45", "chunk=3", "noise=[0.5, 2]")
+@pytest.mark.parametrize("kills", [2, pytest.param(10, marks=pytest.mark.fuzz)])
+def test_kills_leave_the_campaign_as_if_there_had_been_none(plan, run, tmp_path, kills):
+    runs = 3 * (kills + 3)
+    one = plan(f"runs={runs}", "chunk=3", "noise=[0.5, 2]")
     run(one, tmp_path / "undisturbed")
     killed = tmp_path / "killed"
     killed.mkdir()
     spawn = multiprocessing.get_context("forkserver")
     spawn.set_forkserver_preload([*PRELOADED, __name__])
     moments, before = np.random.default_rng(4), {}
-    for kill in range(KILLS):
+    for kill in range(kills):
         child = spawn.Process(target=work, args=(one, killed, kill > 0))
         child.start()
         while len(chunks(killed)) <= len(before):
@@ -51,13 +52,13 @@ def test_ten_kills_leave_the_campaign_as_if_there_had_been_none(plan, run, tmp_p
         after = chunks(killed)
         assert before.items() <= after.items()  # what was finished is neither lost nor rewritten
         before = after
-    assert len(before) < 15
+    assert len(before) < kills + 3
     work(one, killed, True)
     assert not (killed / "campaign").exists()
     stores = [folder / "campaign.nc" for folder in (tmp_path / "undisturbed", killed)]
     first, second = (xr.load_dataset(path, engine="h5netcdf") for path in stores)
     assert first.identical(second)
-    assert np.array_equal(second["run"], np.arange(45))
+    assert np.array_equal(second["run"], np.arange(runs))
 
 
 @pytest.fixture(scope="module")

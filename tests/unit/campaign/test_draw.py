@@ -8,7 +8,8 @@ from mptune.campaign.temperature import REFERENCE, temperature_factors
 from mptune.errors import InputError
 from mptune.verify.verify import Case, rig_of
 
-NEUTRAL = Draw(24500.0, 6e-3, 1.2e9, 9700.0, 1.0, REFERENCE, 1.0, 1.0, 1.0)
+TRUE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # of the sensors
+NEUTRAL = Draw(24500.0, 6e-3, 1.2e9, 9700.0, 1.0, REFERENCE, 1.0, 0.0, *TRUE, 1.0, 1.0)
 
 
 def rig(study, **changes):
@@ -45,6 +46,35 @@ def test_every_parameter_has_a_unit_in_the_order_of_the_draw():
 def test_a_parameter_moves_what_it_should(boom, changes, field, factor):
     before, after = rig(boom)[1].machine, rig(boom, **changes)[1].machine
     assert getattr(after, field) == pytest.approx(factor * getattr(before, field))
+
+
+def test_hoses_become_lines_from_one_half_on(boom, load_boom):
+    for lines, inert in ((0.0, False), (0.49, False), (0.5, True), (1.0, True)):
+        assert (rig(boom, lines=lines)[1].machine.line_inertance > 0) == inert
+    lined = load_boom("hose.dynamics=true")
+    assert rig(lined, lines=1.0)[1].machine == rig(boom, lines=1.0)[1].machine
+    assert rig(lined, lines=0.0)[1].machine == rig(boom)[1].machine
+
+
+def test_sensors_are_as_untrue_as_they_were_drawn(boom):
+    drawn = {
+        "pressure_gain_error_a": 0.02,
+        "pressure_gain_error_b": -0.01,
+        "pressure_offset_a": 1e5,
+        "pressure_offset_b": -2e5,
+        "position_hysteresis": 3e-5,
+        "position_resolution": 1e-5,
+    }
+    found = rig(boom, **drawn)[1].signals.sensors
+    assert found == (1.02, 0.99, 1e5, -2e5, 3e-5, 1e-5)
+
+
+def test_a_study_s_own_sensors_and_hoses_are_drawn_where_no_range_is_given(load_boom):
+    own = load_boom("sensors.pressure_offset_b=50 kPa", "hose.dynamics=true")
+    low, high = (Draw(*ends) for ends in box_of(own))
+    assert (low.pressure_offset_b, low.lines) == (high.pressure_offset_b, high.lines) == (5e4, 1.0)
+    box = box_of(load_boom("campaign.pressure_gain_error_a=[-0.02, 0.02]", "campaign.lines=[0, 1]"))
+    assert box.names[-2:] == ("lines", "pressure_gain_error_a")
 
 
 def test_noise_scales_every_sensor_and_nothing_else(boom):

@@ -8,8 +8,11 @@ import sys
 import time
 
 import pytest
+from target import gains_of
 
 from mptune.cli.main import status
+from mptune.params.gains import write_gains
+from mptune.params.judged_on import judged_on
 
 SHORT = (
     *("--set", 'manoeuvre=[{distance="5 mm", duration="0.3 s", rest="0.1 s"}]'),
@@ -125,3 +128,26 @@ def test_ctrl_c_ends_with_130_keeps_chunks_and_resume_finishes(study_file, tmp_p
     alone = (*arguments, "--workers", "1")
     assert cli(*alone)[0] == 2
     assert cli(*alone, "--resume")[0] == 0
+
+
+@pytest.mark.compiled
+def test_gains_made_for_another_model_are_tried_and_what_differs_is_said(cli, load_boom, tmp_path):
+    made_for = load_boom("load.force=5 kN")
+    file = gains_of(made_for, judged_on=judged_on(made_for))
+    gains = ("--gains", str(write_gains(tmp_path / "gains.toml", file)))
+    three = ("--set", "campaign.runs=3")
+    code, out, _ = cli(*SHORT, *three, *gains, "--json")
+    values = json.loads(out)
+    differs = {one["key"]: one["here"] for one in values["differs"]}
+    assert code in {0, 1}
+    assert values["runs"] == 3
+    assert differs["load.force"] == "9700"
+    assert "Made for another model" in cli(*SHORT, *three, *gains)[1]
+
+
+def test_gains_of_another_controller_are_refused(cli, load_boom, tmp_path):
+    other = load_boom("controller.position_filter=8 ms")
+    file = gains_of(other, judged_on=judged_on(other))
+    code, _, err = cli("--gains", str(write_gains(tmp_path / "gains.toml", file)))
+    assert code == 2
+    assert "controller.position_filter" in err

@@ -132,7 +132,11 @@ def test_infeasible_tuning_ends_with_status_1_and_names_the_blocking_point(cli):
 
 
 def test_run_does_the_whole_job(cli, tmp_path):
+    (tmp_path / "out/boom").mkdir(parents=True)
+    left = tmp_path / "out/boom/front.json"
+    left.write_text("spoilt")
     code, out, _ = cli("run", *BRIEF)
+    left.unlink()
     assert code == (0 if out.startswith("Verdict: met: ") else 1)
     written = {path.name for path in (tmp_path / "out").rglob("*") if path.is_file()}
     assert written == {
@@ -144,6 +148,8 @@ def test_run_does_the_whole_job(cli, tmp_path):
     assert "nonlinear machine" in words[words.index("Gain at F_ref may rise by") :]
     assert words.startswith("Verdict: met")
     assert "On the machine the tuned gains are" in words
+    assert "front.json was left out, for it is not JSON." in words
+    assert "the paper's own frame alone: linear tracking index 14.4" in words
     assert len(out.splitlines()) <= 40
     assert "\x1b" not in out  # no terminal: no colour
 

@@ -9,6 +9,7 @@ from target import any_compiler, gains_of
 
 from mptune.cli.main import status
 from mptune.params.gains import write_gains
+from mptune.params.judged_on import judged_on
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 
@@ -121,10 +122,29 @@ def test_gains_whose_margins_fail_when_swept_need_force_whatever_the_file_says(e
     assert export(given, "toml", "--force", *limit)[0] == 1
 
 
-def test_gains_of_another_model_are_refused(export, gains):
-    code, _, err, _ = export(gains("load.force=5 kN"), "toml")
+def test_gains_of_another_model_are_judged_on_this_one_and_every_file_says_so(
+    export, gains, load_boom
+):
+    early = gains("load.force=5 kN")
+    assert export(early, "toml")[0] == 2  # it does not say what it was made for
+    elsewhere = judged_on(load_boom(SHORT, "load.force=5 kN", corners=True))
+    code, out, _, folder = export(gains("load.force=5 kN", judged_on=elsewhere), "toml")
+    said = {"key": "load.force", "made_for": "5000", "here": "9700"}
+    values = tomllib.loads((folder / "controller.toml").read_text(encoding="utf-8"))
+    assert code == 0
+    assert "Made for another model" in out
+    assert values["verdict"]["differs"] == [said]
+    code, out, _, _ = export(gains(judged_on=elsewhere, study_hash="b" * 64), "st", "--json", "-q")
+    assert json.loads(out)["differs"] == [said]
+    assert "load.force: 5000 in the gains file" in (folder / "controller.st").read_text()
+
+
+def test_gains_of_another_controller_are_refused(export, gains, load_boom):
+    other = load_boom("controller.position_filter=8 ms")
+    given = gains(judged_on=judged_on(other), study_hash=other.hash())
+    code, _, err, _ = export(given, "toml")
     assert code == 2
-    assert "another model" in err
+    assert "controller.position_filter" in err
 
 
 def test_the_uncertainty_set_is_the_gains_own(export, load_boom, tmp_path):

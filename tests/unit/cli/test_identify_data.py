@@ -60,6 +60,13 @@ def test_an_undetermined_fit_leaves_with_1(cli, response):
     assert "determined" in out
 
 
+def test_a_good_fit_leaves_with_0_though_the_order_of_the_lags_is_open(cli, response):
+    code, out, _ = cli("-q", "--data", str(response), "--band", "2 rad/s", "100 rad/s")
+    assert code == 0
+    assert "order of" in out
+    assert "not how far the machine varies" in " ".join(out.split())
+
+
 @pytest.mark.parametrize(
     ("arguments", "message"),
     [

@@ -60,8 +60,13 @@ def estimated_study(request, load_boom):
 
 
 @pytest.fixture(scope="session")
-def controller(study):
+def prepared(study):
     return prepare(study, gains_of(study), Precision.DOUBLE)
+
+
+@pytest.fixture(scope="session")
+def controller(prepared):
+    return prepared
 
 
 @pytest.fixture(scope="session")

@@ -8,6 +8,8 @@ it declares it as external, of the same type.
 
 from __future__ import annotations
 
+import itertools
+import math
 import operator
 
 from lark import Lark, Token
@@ -24,11 +26,15 @@ GRAMMAR = r"""
     function: FUNCTION NAME ":" TYPE section* body "END_FUNCTION"
     block: "FUNCTION_BLOCK" NAME section* body "END_FUNCTION_BLOCK"
     section: KIND variable+ "END_VAR"
-    variable: NAME ":" (TYPE | NAME) ";"
+    variable: NAME ":" (array | TYPE | NAME) ";"
+    array: "ARRAY" "[" INTEGER ".." INTEGER ("," INTEGER ".." INTEGER)? "]" "OF" TYPE
     body: statement*
     ?statement: NAME ":=" expression ";" -> assign
+        | NAME subscripts ":=" expression ";" -> assign_element
+        | "FOR" NAME ":=" expression "TO" expression "DO" body "END_FOR" ";" -> repeat
         | IF expression THEN body (ELSE body)? "END_IF" ";" -> branch
         | NAME "(" binding ("," binding)* ")" ";" -> call_block
+    subscripts: "[" expression ("," expression)? "]"
     binding: NAME ":=" expression
     ?expression: conjunction (OR conjunction)*
     ?conjunction: comparison (AND comparison)*
@@ -43,6 +49,7 @@ GRAMMAR = r"""
         | "(" expression ")"
         | NAME "(" expression ("," expression)* ")" -> call
         | NAME "." NAME -> member
+        | NAME subscripts -> element
         | NAME -> name
     FUNCTION.3: /FUNCTION\b/
     IF.3: /IF\b/
@@ -53,7 +60,7 @@ GRAMMAR = r"""
     NOT.3: /NOT\b/
     BOOLEAN.3: /TRUE\b/ | /FALSE\b/
     KIND.3: /VAR_INPUT\b/ | /VAR_OUTPUT\b/ | /VAR_EXTERNAL CONSTANT\b/ | /VAR\b/
-    TYPE.3: /LREAL\b/ | /REAL\b/ | /BOOL\b/ | /DINT\b/
+    TYPE.3: /LREAL\b/ | /REAL\b/ | /BOOL\b/ | /DINT\b/ | /INT\b/
     TIME.3: /T#[0-9]+(\.[0-9]+)?ms/
     COMPARE: "<=" | ">=" | "<>" | "<" | ">" | "="
     ADD: "+" | "-"
@@ -82,7 +89,7 @@ _OPERATORS = {
     "AND": lambda one, other: one and other,
     "OR": lambda one, other: one or other,
 }
-_LIBRARY = {"ABS": abs, "MIN": min, "MAX": max}
+_LIBRARY = {"ABS": abs, "MIN": min, "MAX": max, "SQRT": math.sqrt}
 
 
 class Program:
@@ -109,6 +116,14 @@ class Program:
         return Instance(self, self.blocks[name].children[1:])
 
 
+def _zeros(array):
+    """Return the elements of an array of numbers, by their places."""
+    *bounds, kind = array.children
+    assert kind in {"LREAL", "REAL"}
+    pairs = zip(map(int, bounds[::2]), map(int, bounds[1::2]), strict=True)
+    return dict.fromkeys(itertools.product(*(range(a, b + 1) for a, b in pairs)), 0.0)
+
+
 class Instance:
     """A function block, or one call of a function, with its variables."""
 
@@ -117,7 +132,9 @@ class Instance:
         for section in parts[:-1]:
             for variable in section.children[1:]:
                 name, kind = variable.children
-                if section.children[0].startswith("VAR_EXTERNAL"):
+                if not isinstance(kind, Token):
+                    self.values[name.value] = _zeros(kind)
+                elif section.children[0].startswith("VAR_EXTERNAL"):
                     assert kind == program.kinds[name.value], name
                     self.values[name.value] = program.constants[name.value]
                 elif kind.type == "TYPE":
@@ -140,6 +157,19 @@ class Instance:
     def _assign(self, name, expression):
         assert name.value in self.values.keys() - self.program.constants.keys(), name
         self.values[name.value] = self._value(expression)
+
+    def _assign_element(self, name, subscripts, expression):
+        place = self._places(subscripts)
+        assert place in self.values[name.value], (name, place)  # within its bounds
+        self.values[name.value][place] = self._value(expression)
+
+    def _repeat(self, name, first, last, body):
+        for count in range(int(self._value(first)), int(self._value(last)) + 1):
+            self.values[name.value] = float(count)
+            self._run(body)
+
+    def _places(self, subscripts):
+        return tuple(int(self._value(one)) for one in subscripts.children)
 
     def _branch(self, _if, condition, _then, body, _else=None, otherwise=None):
         if self._value(condition):
@@ -166,6 +196,9 @@ class Instance:
 
     def _value_member(self, instance, name):
         return self.values[instance.value].values[name.value]
+
+    def _value_element(self, name, subscripts):
+        return self.values[name.value][self._places(subscripts)]
 
     def _value_call(self, name, *arguments):
         return self._called(name.value, [self._value(one) for one in arguments])

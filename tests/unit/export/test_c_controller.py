@@ -81,18 +81,18 @@ def test_every_valve_command_is_mptune_s_own_to_the_last_bit(sources, recording,
 
 
 @pytest.mark.parametrize("which", ["full_study", "proportional_study"])
-def test_what_the_paper_leaves_off_is_the_same_too(request, which, tmp_path):
+def test_what_the_paper_leaves_off_is_the_same_too(request, prepared, which, tmp_path):
     """Feed-forward, lagged references, delay prediction and the mean flow; no integral."""
     study = request.getfixturevalue(which)
-    target.write_sources(study, tmp_path / "c")
+    target.write_sources(study, tmp_path / "c", like=prepared)
     recording = record_case(study, first_case(study, 49000.0))
     program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
     found, _ = replay(program, recording, tmp_path)
     same_decisions(found, recording)
 
 
-def test_estimator_and_feed_forward_are_the_same_too(estimated_study, tmp_path):
-    target.write_sources(estimated_study, tmp_path / "c")
+def test_estimator_and_feed_forward_are_the_same_too(estimated_study, prepared, tmp_path):
+    target.write_sources(estimated_study, tmp_path / "c", like=prepared)
     recording = record_case(estimated_study, first_case(estimated_study, 49000.0))
     program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
     found, _ = replay(program, recording, tmp_path)
@@ -100,9 +100,11 @@ def test_estimator_and_feed_forward_are_the_same_too(estimated_study, tmp_path):
 
 
 @pytest.mark.parametrize("name", DECISIONS)
-def test_every_option_of_the_decision_is_the_same_to_the_last_bit(load_boom, name, tmp_path):
+def test_every_option_of_the_decision_is_the_same_to_the_last_bit(
+    load_boom, prepared, name, tmp_path
+):
     study = load_boom(MOVES, *DECISIONS[name], corners=True)
-    target.write_sources(study, tmp_path / "c")
+    target.write_sources(study, tmp_path / "c", like=prepared)
     recording = record_case(study, first_case(study, 49000.0))
     program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
     found, _ = replay(program, recording, tmp_path)
@@ -111,9 +113,9 @@ def test_every_option_of_the_decision_is_the_same_to_the_last_bit(load_boom, nam
 
 
 @pytest.mark.parametrize("name", ["all", "steady state, two periods"])
-def test_sanitizers_find_nothing_in_any_option(load_boom, name, tmp_path):
+def test_sanitizers_find_nothing_in_any_option(load_boom, prepared, name, tmp_path):
     study = load_boom(MOVES, *DECISIONS[name], corners=True)
-    target.write_sources(study, tmp_path / "c")
+    target.write_sources(study, tmp_path / "c", like=prepared)
     recording = record_case(study, first_case(study, 24500.0))
     recording = recording._replace(inputs=recording.inputs[:1000])
     compiler, flags = target.sanitizing()

@@ -30,6 +30,7 @@ from mptune.export.table import as_json, as_toml
 from mptune.figures.style import new_figure, to_svg
 from mptune.job.export import prepare
 from mptune.params.gains import read_gains, write_gains
+from mptune.params.judged_on import Difference
 from mptune.report.blocks import Cell, Chapter, Document, Figure, FrontPage, Prose, Tabular, left
 from mptune.report.pdf import pdf
 from mptune.report.web import web_page
@@ -46,7 +47,7 @@ def controllers(load_boom):
     found = []
     for text in TEXTS:
         named = study.model_copy(update={"name": text, "uncertainty_name": text})
-        said = dict.fromkeys(("study", "uncertainty", "version", "date"), text)
+        said = dict.fromkeys(("study", "uncertainty", "version", "date", "reason"), text)
         source = plain.source.model_copy(update=said)
         found.append(
             type(plain)(
@@ -57,6 +58,7 @@ def controllers(load_boom):
                 numbers=plain.numbers,
                 margins=plain.margins,
                 date=text,
+                differs=(Difference(text, text, text),) * 30,
             )
         )
     return found

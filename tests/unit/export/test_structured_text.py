@@ -9,12 +9,13 @@ import recording as rec
 from lark import UnexpectedInput
 from recording import first_case, record_case
 from structured_text_language import PARSER, Program
-from target import gains_of
+from target import renumbered
 
-from mptune.export.formats import Precision
 from mptune.export.structured_text import _milliseconds, structured_text
 from mptune.export.table import as_toml
-from mptune.job.export import prepare
+from mptune.sim.closed_loop import FED_MASS
+
+TICKS = 700  # 0.35 s: a mass that is learnt has then moved
 
 
 @pytest.fixture(scope="module")
@@ -27,7 +28,7 @@ def test_the_text_follows_the_grammar(text, single):
         tree = PARSER.parse(one)
         names = [block.children[0].value for block in tree.find_data("block")]
         assert names[-1] == "MPT_OuterLoops"
-        assert len(names) == 6
+        assert len(names) == 9
         assert len(list(tree.find_data("program"))) == 1
 
 
@@ -105,6 +106,8 @@ def test_constants_are_those_of_the_table(request, which):
         for name in ("outer_loops", "feedforward_lags", "state_estimator", "filters")
         for key, value in table[name].items()
     }
+    numbers |= {f"MPT_AREA_{side.upper()}": table["force_controller"][f"area_{side}"]
+                for side in "ab"}  # fmt: skip
     assert constants.pop("MPT_TICKS") == controller.numbers.ticks
     for name, value in constants.items():
         rounded = float(np.float32(value)) if which == "single" else value
@@ -118,45 +121,63 @@ def test_single_precision_declares_no_double(single):
     assert re.search(r"\bREAL\b", text)
 
 
+def inputs_of(row):
+    """Return the program's inputs of a recorded row: pressures are used by an estimator only."""
+    x_ref, v_ref, a_ref, position, pressure_a, pressure_b = row[:6]
+    return {
+        "Sample": position,
+        "PressureA": pressure_a,
+        "PressureB": pressure_b,
+        "PositionReference": x_ref,
+        "VelocityReference": v_ref,
+    }, {"AccelerationReference": a_ref}
+
+
 @pytest.mark.compiled
 @pytest.mark.parametrize("which", ["study", "full_study", "proportional_study"])
-def test_the_blocks_give_the_simulator_s_force_reference(request, which):
-    """Bit for bit but for two sums that the blocks take in another order."""
-    study = request.getfixturevalue(which)
-    controller = prepare(study, gains_of(study), Precision.DOUBLE)
-    program = Program(structured_text(controller))
+def test_the_blocks_give_the_simulator_s_force_reference(request, controller, which):
+    same_force_references(request.getfixturevalue(which), controller)
+
+
+@pytest.mark.compiled
+def test_estimator_and_feed_forward_are_in_the_blocks_too(estimated_study, controller):
+    same_force_references(estimated_study, controller)
+
+
+def same_force_references(study, controller):
+    """Bit for bit in double precision, called one by one and as a program."""
+    program = Program(structured_text(renumbered(controller, study)))
     recording = record_case(study, first_case(study, 24500.0))
     measurement, loops = program.instance("MPT_Measurement"), program.instance("MPT_OuterLoops")
     whole = program.instance("MPT_Program")
-    x_ref, v_ref, _, position, *_ = recording.first.tolist()
-    measurement(Reset=True, Sample=position, PositionReference=x_ref, VelocityReference=v_ref)
-    whole(Reset=True, Sample=position, PositionReference=x_ref, VelocityReference=v_ref)
-    rows = zip(recording.inputs[:2000].tolist(), recording.decisions.tolist(), strict=False)
+    measured, ahead = inputs_of(recording.first.tolist())
+    measurement(Reset=True, Load=recording.load, **measured)
+    whole(Reset=True, Load=recording.load, **measured, **ahead)
+    rows = recording.inputs[:TICKS].tolist()
     first = True
-    for tick, (row, decision) in enumerate(rows):
-        measurement(Reset=False, Sample=row[3], PositionReference=row[0], VelocityReference=row[1])
-        assert measurement.Position == decision[rec.HISTORY][0]
+    for tick, (row, decision) in enumerate(zip(rows, recording.decisions, strict=False)):
+        measured, ahead = inputs_of(row)
+        measurement(Reset=False, **measured)
+        if study.study.estimator.kind == "filters":
+            assert measurement.Position == decision[rec.HISTORY][0]
+        assert measurement.Mass == recording.trace[tick, FED_MASS]
         if tick % 20 == 0:
             loops(
                 Reset=first,
                 Load=recording.load,
                 LaggedPosition=measurement.LaggedPosition,
                 LaggedVelocity=measurement.LaggedVelocity,
-                AccelerationReference=row[2],
+                Mass=measurement.Mass,
                 Position=measurement.Position,
                 Velocity=measurement.Velocity,
+                **ahead,
             )
             first = False
-        whole(
-            Reset=False,
-            Load=recording.load,
-            Sample=row[3],
-            PositionReference=row[0],
-            VelocityReference=row[1],
-            AccelerationReference=row[2],
-        )
+        whole(Reset=False, Load=recording.load, **measured, **ahead)
         assert whole.ForceReference == loops.ForceReference
-        assert loops.ForceReference == pytest.approx(decision[rec.FORCE], rel=1e-9, abs=1e-6)
+        assert loops.ForceReference == decision[rec.FORCE]
+    moved = recording.trace[:TICKS, FED_MASS]
+    assert (moved.min() < moved.max()) == study.study.feedforward.adaptive_mass
 
 
 def test_every_file_says_where_it_comes_from(text, study):

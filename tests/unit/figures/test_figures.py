@@ -23,6 +23,11 @@ def swept(load_boom):
     return sweep(load_boom(corners=True))
 
 
+@pytest.fixture(scope="module")
+def estimated(load_boom):
+    return sweep(load_boom('estimator.kind="state"', corners=True, uncertainty="section-5-1"))
+
+
 @pytest.fixture(
     scope="module", params=["panels", "bode", "moves", "nyquist", "sensitivity", "load", "compare"]
 )
@@ -83,3 +88,13 @@ def test_titles_and_labels_stay_within_the_figure_and_titles_off_one_another(dra
         assert box.y1 <= figure.bbox.y1
     for n, box in enumerate(boxes):
         assert not any(box.overlaps(other) for other in boxes[:n])
+
+
+@pytest.mark.parametrize("drawn", ["panels", "bode", "nyquist", "sensitivity", "load"])
+def test_with_a_state_estimator_each_figure_is_of_the_loop_with_it(estimated, drawn):
+    figure = estimated.plot(drawn)
+    (legend,) = figure.legends
+    words = [text.get_text() for text in legend.get_texts()]
+    assert not any("measurement path" in word for word in words)
+    if drawn in {"bode", "nyquist", "sensitivity"}:
+        assert any("with state estimator" in word for word in words)

@@ -11,7 +11,7 @@ import tomlkit
 from mptune.errors import InputError
 from mptune.identify.fit import fit, model
 from mptune.identify.fitted import Certainty, Fit, Interval
-from mptune.identify.ranges import fitted_ranges, uncertainty_section
+from mptune.identify.ranges import fitted_ranges, spread_in_words, uncertainty_section
 from mptune.identify.response import FrequencyResponse
 from mptune.identify.responses import write_response
 from mptune.params.load import load_study
@@ -38,12 +38,41 @@ FITS = (
 )
 
 
-def test_ranges_hold_every_interval():
+def test_ranges_hold_every_interval_and_reach_beyond_by_what_two_records_differ():
     ranges = fitted_ranges(FITS)
-    assert ranges["tau_a"] == pytest.approx((2.0e-3, 6.2e-3))
-    assert ranges["tau_b"] == pytest.approx((10.5e-3, 13e-3))
-    assert ranges["delay"] == pytest.approx((11.9e-3, 18.40004e-3))
-    assert fitted_ranges(FITS, held=5e-3)["delay"] == pytest.approx((16.9e-3, 23.40004e-3))
+    assert ranges["tau_a"] == pytest.approx((0.0, 9.2e-3))  # 2.0 - 3.0 is no time
+    assert ranges["tau_b"] == pytest.approx((9.5e-3, 14e-3))
+    assert ranges["delay"] == pytest.approx((5.9e-3, 24.40004e-3))
+    assert fitted_ranges(FITS, held=5e-3)["delay"] == pytest.approx((10.9e-3, 29.40004e-3))
+
+
+def test_one_record_s_range_is_its_interval():
+    assert fitted_ranges(FITS[:1])["tau_b"] == pytest.approx((10.5e-3, 11.5e-3))
+    assert "not how far the machine varies" in spread_in_words(FITS[:1])
+    assert "2 records" in spread_in_words(FITS)
+
+
+@pytest.mark.parametrize(
+    ("certainty", "tau_b", "good"),
+    [
+        (Certainty.DETERMINED, (6, 1, 11), True),
+        (Certainty.ORDER_UNKNOWN, (6, 4, 11), True),
+        (Certainty.ORDER_UNKNOWN, (6, 3, 11), False),
+        (Certainty.ILL_DETERMINED, (6, 4, 11), False),
+        (Certainty.NOT_CONVERGED, (6, 5, 7), False),
+    ],
+)
+def test_a_fit_is_good_whichever_lag_is_whose_if_the_intervals_are_narrow(certainty, tau_b, good):
+    assert a_fit("rig", (10, 9, 11), tau_b, (12, 11, 13), certainty).good is good
+
+
+def test_ranges_of_even_draws_reach_the_machine_s_ends_on_average():
+    rng = np.random.default_rng(3)
+    ends = []
+    for _ in range(2000):
+        drawn = [(v, v, v) for v in rng.uniform(4.0, 10.0, 5)]
+        ends.append(fitted_ranges([a_fit("x", one, one, one) for one in drawn])["tau_a"])
+    assert np.mean(ends, axis=0) == pytest.approx((4e-3, 10e-3), rel=0.02)
 
 
 def test_a_fit_that_did_not_converge_is_left_out():
@@ -66,9 +95,9 @@ def test_a_study_takes_the_section_and_a_sweep_runs_on_it(write_study, boom):
     study = load_study(merged(write_study, text), ["uncertainty.points=2"])
     box = study.uncertainty
     assert box.mass == boom.uncertainty.mass
-    assert box.tau_a == pytest.approx((2e-3, 6.2e-3), abs=1.1e-6)
-    assert box.delay == pytest.approx((11.9e-3, 18.41e-3))  # outwards
-    assert box.delay[1] >= 18.40004e-3
+    assert box.tau_a == pytest.approx((0.0, 9.2e-3), abs=1.1e-6)
+    assert box.delay == pytest.approx((5.9e-3, 24.41e-3), abs=1.1e-5)  # outwards
+    assert box.delay[1] >= 24.40004e-3
     result = sweep(study)
     assert 0 < result.velocity.worst_ratio < 1
     assert result.velocity.at.delay_s in box.delay

@@ -262,21 +262,25 @@ def test_gains_that_cannot_be_written_are_an_output_error(tmp_path):
         write_gains(tmp_path / "file" / "gains.toml", gains_file())
 
 
-def test_a_controller_accepts_satisfied_margins(written):
-    assert accepted_gains(written[0], HASH) == read_gains(written[0])
+def test_a_controller_accepts_satisfied_margins(boom, tmp_path):
+    path = write_gains(tmp_path / "gains.toml", gains_file(study_hash=boom.hash()))
+    assert accepted_gains(boom, path) == (read_gains(path), ())
 
 
 @pytest.mark.parametrize("margins", ["violated", "not run"])
-def test_a_controller_refuses_margins_that_are_not_satisfied_unless_forced(tmp_path, margins):
-    path = write_gains(tmp_path / "gains.toml", gains_file(margins=margins))
+def test_a_controller_refuses_margins_that_are_not_satisfied_unless_forced(boom, tmp_path, margins):
+    file = gains_file(margins=margins, study_hash=boom.hash())
+    path = write_gains(tmp_path / "gains.toml", file)
     with pytest.raises(InputError) as caught:
-        accepted_gains(path, HASH)
+        accepted_gains(boom, path)
     (fault,) = caught.value.faults
     assert (fault.key, fault.value) == ("margins", margins)
     assert "--force" in fault.remedy
-    assert accepted_gains(path, HASH, force=True).margins == margins
+    assert accepted_gains(boom, path, force=True)[0].margins == margins
 
 
-def test_force_does_not_make_gains_of_another_study_acceptable(written):
+def test_force_does_not_make_gains_of_another_model_acceptable_that_are_not_said_to_be(
+    boom, written
+):
     with pytest.raises(InputError, match="another model"):
-        accepted_gains(written[0], "b" * 64, force=True)
+        accepted_gains(boom, written[0], force=True)

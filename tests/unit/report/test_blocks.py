@@ -12,9 +12,11 @@ from mptune.report.blocks import (
     Prose,
     Tabular,
     Words,
+    left,
     plain,
     right,
     symbol,
+    verdict,
     wide,
 )
 
@@ -79,3 +81,12 @@ def test_a_brief_table_leaves_out_its_columns_of_detail_only():
     assert [column.text for column in brief.columns] == ["a", "c"]
     assert brief.rows == [["1", "3"]]
     assert brief.title == "Title"
+
+
+def test_columns_in_which_no_row_says_anything_are_left_out_and_the_first_never_is():
+    columns = [*left("Name"), *right("Value"), *left("Note")]
+    table = Tabular("t", columns, [["—", "1", "—"], ["", "—", verdict("", good=True)]])
+    assert [column.text for column in table.filled().columns] == ["Name", "Value"]
+    assert table.filled().rows == [["—", "1"], ["", "—"]]
+    empty = Tabular("t", columns, [])
+    assert empty.filled() is empty

@@ -9,7 +9,7 @@ from html.parser import HTMLParser
 import pypdf
 import pytest
 
-from mptune.job.report import results_of
+from mptune.job.report import LinearPart, results_of
 from mptune.job.run import run
 from mptune.params.headline import Headline
 from mptune.params.pack import pack_gains
@@ -17,6 +17,7 @@ from mptune.report.document import write_report
 from mptune.robust.chain import factor_text
 from mptune.robust.encirclements import encirclements
 from mptune.robust.headline import Judgement
+from mptune.robust.one_at_a_time import one_at_a_time
 from mptune.robust.sweep import sweep
 from mptune.signals.tustin import discretise
 from mptune.units import shown
@@ -41,7 +42,9 @@ def text_of(path):
 
 def changed(job, tmp_path, **changes):
     """Return what the report of a job shows, with changes."""
-    return replace(results_of(tmp_path, job, encirclements(job.tuned.sweep)), **changes)
+    swept = job.tuned.sweep
+    linear = LinearPart(encirclements(swept), one_at_a_time(swept), {}, b"")
+    return replace(results_of(tmp_path, job, linear), **changes)
 
 
 def written(path, results):
@@ -233,3 +236,13 @@ def test_discrete_coefficients_are_those_of_tustin(job, text):
     law = discretise(pack_gains(job.tuned.gains), job.study.study.controller.sampling_period)
     for value in law:
         assert f"{value:.12g}" in text
+
+
+def test_the_paper_s_own_frame_stands_beside_as_a_comparison(job, text):
+    text = " ".join(text.split())
+    assert job.papers_frame.index < 0.9 * job.papers_frame.index_before
+    assert "Tuned in the paper's own frame".replace("'", "’") in text.replace("'", "’")
+    assert f"{1e3 * job.papers_frame.index:.2f} ms on paper" in text
+    values = job.json()["papers_frame"]
+    assert {one["figure"] for one in values["changes"]} >= {"force_error_integral_kn2s"}
+    assert values["gains"] != job.json()["tune"]["gains"]

@@ -107,19 +107,23 @@ def test_feedforward_is_left_out_where_it_is_off_on_both_sides(swept):
 
 
 def test_a_blocked_tuning_says_what_blocks_and_what_would_have_to_give(swept):
-    figures = Figures(0.014, 22.0, 1.3e-7, 16.0)
+    figures = Figures(0.014, 22.0, 1.3e-7, 16.0, 0.122)
     blocking = Blocking(
         "velocity_ratio", 0.5, None, "allow more", (Concession("noise_gain", 1.25),)
     )
     own = swept.gains
     tuned = TuneResult(
         TuneStatus.INFEASIBLE, "eq22", own, Feedforward(), Estimator(), own, Estimator(),
-        replace(figures, tracking=0.011), figures, None, swept, blocking, (), (), 0,
+        replace(figures, tracking=0.011, disk_margin=0.61), figures, None, swept, blocking, (), (),
+        0,
     )  # fmt: skip
     first, gained, blocked, relief = tuning(tuned)
     assert first == "Tuning: infeasible."
     assert "worst linear tracking index (sampled loop) 14.00 → 11.00 ms" in gained
     assert "0.13 → 0.13 mm/kN" in gained
+    assert gained.endswith("disk margin α as it runs 0.122 → 0.61.")
+    unasked = replace(tuned, figures=replace(figures, disk_margin=float("nan")))
+    assert "disk margin" not in tuning(unasked)[1]
     assert blocked == "Blocked by velocity_ratio at —: allow more."
     assert relief == "With all else kept, noise_gain would have to give by a factor 1.25."
 

@@ -48,6 +48,7 @@ from mptune.job.gains import gains_file
 from mptune.params.judged_on import Difference
 from mptune.robust.headline import judge
 from mptune.verify.before_after import changes
+from mptune.verify.beside import beside
 
 UNKNOWN = float("nan")
 NOTHING = Figures(UNKNOWN, 22.0, float("inf"), 16.0)  # of a loop that runs away
@@ -83,7 +84,8 @@ RECORD = RunRecord(
 
 def case_of(mass, status=CaseStatus.STABLE):
     """Return a machine with twenty movement sets, or with none where it was not stable."""
-    one = SetFigures(15.0, 19.0, 19.0, 41.0, 0.3, 111.0, 840, 50.0, 0.6, 15.9, 1e-3, 3, 0.0)
+    figures = (15.0, 19.0, 19.0, 41.0, 0.3, 111.0, 840, 0.6, 15.9, 1e-3, 3, 0.0)
+    one = SetFigures(*figures, converter_peak_mm=50.0)
     stable = status is CaseStatus.STABLE
     return CaseResult(
         mass_kg=mass, valve_delay_s=(5e-3, 8e-3), oil_bulk_modulus_pa=1.2e9, load_force_n=9700.0,
@@ -181,6 +183,7 @@ def results(fig_5, unstable, load_boom):
         "weights": weights_of(study),
         "judgement": judge(fig_5.checks, links),
         "change": changes(verified, verified)[0],
+        "papers frame": beside(verified, fig_5.gains, (0.014, UNKNOWN), verified),
         "difference": Difference("oil.bulk_modulus", "1.4e9", "—"),
         "job": JobResult(
             study,

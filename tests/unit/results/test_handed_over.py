@@ -1,5 +1,7 @@
 """Results handed over: to matplotlib, xarray and pandas."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -118,3 +120,12 @@ def test_a_response_as_table(results):
     table = results["response"].to_pandas()
     np.testing.assert_array_equal(table.index, results["response"].omega)
     np.testing.assert_allclose(table["magnitude_db"], results["response"].decibels)
+
+
+def test_a_mass_that_is_learnt_is_drawn_even_where_it_stands_at_its_bound(results):
+    plain = results["verified"]
+    learns = plain.feedforward.model_copy(update={"adaptive_mass": True})
+    drawn, bare = replace(plain, feedforward=learns).plot(), plain.plot()
+    assert len(drawn.axes) == len(bare.axes) + 1
+    assert drawn.axes[-1].get_ylabel() == "Learnt\nmass [t]"
+    assert drawn.axes[-1].get_xlabel() == bare.axes[-1].get_xlabel() == "Time [s]"

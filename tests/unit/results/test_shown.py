@@ -13,6 +13,7 @@ NAMES = (
     "front point", "design", "shaped", "structure", "move", "case", "record", "verified",
     "plan", "campaign",
     "panel", "identified", "response", "fit", "weights", "job", "judgement", "change", "difference",
+    "papers frame",
 )  # fmt: skip
 TUPLES = {"plants", "margins", "sides"}
 

@@ -39,6 +39,15 @@ def test_an_integrator_with_dead_time_has_its_known_margins():
     assert np.isnan(figure(margins, "reduction_frequency"))
 
 
+def test_the_compliance_is_the_whole_loop_s():
+    """Of a P controller and an undelayed machine it is greatest at rest: 1/(K_P,vel K_P,pos)."""
+    gains = GAINS._replace(k_i_pos=0.0, omega=1 / GAINS.tau, xi=1.0)  # G_P = K_P,pos
+    margins = margins_of(24500.0, 0.0, gains=gains)
+    found = figure(margins, "peak_compliance", FORCE)
+    assert found == pytest.approx(1 / (700e3 * 13.0), rel=1e-5)
+    assert np.isnan(figure(margins, "peak_compliance"))
+
+
 def test_an_integrator_with_a_lag_alone_has_endless_gain_margin():
     margins = margins_of(24500.0, 0.0, 0.01)
     assert figure(margins, "gain_margin") == np.inf

@@ -53,6 +53,8 @@ def test_figures_are_those_of_the_verdict(model, family):
         tame = exact.sensitivity_peak[FORCE] < 100
         peaks = found.sensitivity_peak[tame], exact.sensitivity_peak[FORCE][tame]
         np.testing.assert_allclose(*peaks, rtol=1e-5)
+        peaks = found.peak_compliance[tame], exact.peak_compliance[FORCE][tame]
+        np.testing.assert_allclose(*peaks, rtol=1e-5)
     assert unstable > 10
 
 

@@ -6,12 +6,14 @@ import pytest
 from mptune.params.packed import FeedforwardTuple
 from mptune.signals.adaptive_mass import (
     ACCELERATION_UNIT,
+    FIRST_COVARIANCE,
+    FORGETTING,
     VELOCITY_UNIT,
     fed_mass,
     learn_mass,
     start_learning,
 )
-from mptune.signals.states import FACTORS, LAST_VELOCITY_REFERENCE, MASS, OUTER_STATES
+from mptune.signals.states import COVARIANCE, FACTORS, LAST_VELOCITY_REFERENCE, MASS, OUTER_STATES
 from mptune.signals.trajectory import quintic, reference
 
 FAST = 5e-4
@@ -69,6 +71,15 @@ def test_nothing_is_learnt_at_rest():
 
 def test_a_fixed_mass_is_fed_as_it_is():
     assert fed_mass(np.zeros(OUTER_STATES), AHEAD._replace(adaptive=0.0)) == 37e3
+
+
+def test_what_is_not_known_of_the_mass_grows_no_further_than_at_the_start():
+    state = np.zeros(OUTER_STATES)
+    start_learning(state, AHEAD, 9e3)
+    for _ in range(3000):
+        learn_mass(state, AHEAD, 10e3, 0.05)
+        state[LAST_VELOCITY_REFERENCE] = 0.05
+        assert state[COVARIANCE] <= FIRST_COVARIANCE[0] / FORGETTING
 
 
 def test_steady_motion_without_acceleration_forgets_no_further_than_the_start():

@@ -85,3 +85,13 @@ def test_references_pass_their_lags_and_without_any_arrive_at_once():
         outer.lag_references(state, law, 1.0, 2.0)
     assert state[outer.REFERENCE] == pytest.approx(1 - np.exp(-1))
     assert state[outer.VELOCITY_REFERENCE] == 2.0
+
+
+@pytest.mark.parametrize("sign", [1.0, -1.0])
+def test_friction_is_fed_forward_along_the_reference(sign):
+    """By hand: 3000 N s/m · 50 mm/s + 600 N, and at v_s 1/√2 of the latter."""
+    ahead = PLAIN._replace(viscous_friction=3e3, coulomb_friction=600.0, friction_velocity=2e-3)
+    assert outer.friction_ahead(sign * 0.05, ahead) == pytest.approx(sign * 749.5, abs=0.1)
+    turn = outer.friction_ahead(sign * 2e-3, ahead)
+    assert turn == pytest.approx(sign * (6.0 + 600 / np.sqrt(2)))
+    assert outer.friction_ahead(0.0, ahead) == 0.0

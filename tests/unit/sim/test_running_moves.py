@@ -39,6 +39,20 @@ def test_the_largest_of_the_peaks_is_the_index(model, mass):
         assert peaks[n].max() == pytest.approx(index, rel=1e-12)
 
 
+def test_a_loop_that_runs_away_has_no_finite_index_but_a_search_is_told_the_way_back(model):
+    gains = model.gains._replace(k_p_vel=5 * model.gains.k_p_vel)
+    ahead = pack_feedforward(model.study.study.feedforward, 0.0005)
+    loops, move = model.as_it_runs(gains), distinct_moves(model.study.study.manoeuvre)[0]
+    found = tracking_peaks(loops, model.period, move, ahead, 16).max(axis=1)
+    assert np.isinf(found).any()
+    searched = tracking_peaks(loops, model.period, move, ahead, 16, running_away=True).max(axis=1)
+    assert np.isfinite(searched).all()
+    stays = np.isfinite(found)
+    assert np.array_equal(found[stays], searched[stays])
+    calm = model.as_it_runs(model.gains)
+    assert np.isfinite(tracking_peaks(calm, model.period, move, ahead, 16)).all()
+
+
 def test_overshoot_and_settling_are_those_of_the_step(model):
     loops = model.as_it_runs(model.gains)
     found = step_figures(loops, model.period, 0.8)

@@ -7,8 +7,10 @@ import json
 import numpy as np
 import pytest
 
+from mptune.figures.systems import loss_over_index
 from mptune.job.kept_rows import checked_rows
 from mptune.params.load import load_study
+from mptune.report.content.systems import compared
 from mptune.sim.record import BrokenLimit, Energies, RunRecord
 from mptune.systems.compare import calibrated_keys, contest, load_cases, with_value
 from mptune.systems.contender import Contender, Tuned, outcome_of
@@ -77,7 +79,7 @@ def test_every_system_is_shown_by_its_literature_and_by_a_better_controller(resu
 
 def test_figures_of_a_run_by_hand(result):
     outcome = result.runs[1].outcome  # 49 t, 2.45 mm behind at 100 mm/s
-    assert len(outcome.sets) == 4  # of five, the first left out
+    assert len(outcome.sets) == 8  # of nine, the first left out
     assert outcome.mean("performance_index_ms") == pytest.approx(24.5)
     assert outcome.reference_index_ms == pytest.approx(24.5 * 100 / 80)
     assert outcome.mean("energy_loss_j_per_mm") == pytest.approx(20.0)
@@ -154,3 +156,27 @@ def test_bad_values_are_refused_by_name(study_file, value, key, rule):
         load_study(study_file, [value])
     assert key in str(error.value)
     assert rule in str(error.value)
+
+
+def test_what_the_paper_tells_stands_on_the_mass_that_it_tells_it_of(result):
+    row = result.runs[-1].json()
+    told = {}
+    for system in ("this_machine", "steady_state", "load_sensing", "beside_1"):
+        for mass in (24.5e3, 49e3):
+            shown = compared([{**row, "system": system, "mass_kg": mass}]).rows[0]
+            told[system, mass] = (shown[5], shown[7])
+    assert told["this_machine", 24.5e3] == ("13–30", "19.5")
+    assert told["this_machine", 49e3] == ("18–34", "18.9")
+    assert told["steady_state", 24.5e3] == ("–", "–")
+    assert told["steady_state", 49e3] == ("–", "15.9")
+    assert told["load_sensing", 24.5e3] == told["load_sensing", 49e3] == ("> 100", "45")
+    assert told["beside_1", 49e3] == ("–", "–")
+
+
+def test_a_system_is_named_though_its_literature_s_run_did_not_stand(result):
+    rows = [{**row, "stable": row.get("controller") != "literature"} for row in result.rows()]
+    axes = loss_over_index(rows).axes[0]
+    assert axes.get_legend_handles_labels()[1] == ["one"]
+    assert [line.get_markerfacecolor() for line in axes.lines if line.get_marker() == "o"] == [
+        "white"
+    ]

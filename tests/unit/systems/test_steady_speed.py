@@ -8,7 +8,8 @@ import math
 import numpy as np
 import pytest
 
-from mptune.systems.steady_speed import SpeedWeights, cheapest_pair, ones, settled
+from mptune.systems.steady_speed import SpeedWeights, cheapest_pair, settled
+from mptune.systems.switching import ones
 
 EDGE = 9.4e-7
 AREAS = 5e-3, 3.8e-3

@@ -16,6 +16,7 @@ SHORT = (
     ),
     "systems.repeats=2",
     'verification.masses=["49 t"]',
+    'systems.steady_state.weight_loss="200 N/J"',
 )
 DECISION = (
     'controller.force_model="steady-state"',
