@@ -6,6 +6,7 @@
     <out>/<study>/front.json         the points of ``tune --front``
     <out>/<study>/weights.json       the recommendation and the front of ``weights``
     <out>/<study>/systems.json       the runs and calibrated values of ``systems``
+    <out>/<study>/studies.json       the rows of ``studies``, this one among others
     <out>/<study>/identification.nc  the panels of ``identify``
 
 Each says for which model it was made. What belongs to another one is not taken. What cannot be
@@ -38,6 +39,7 @@ _FIGURES = {
     "front": "front",
     "weights": "weights",
     "systems": "systems",
+    "studies": "studies",
 }
 _LARGEST = 4_000_000  # bytes: some hundred times what commands keep
 
@@ -81,6 +83,7 @@ def leftovers(folder: Path, study: ResolvedStudy) -> Leftovers:
         panels,
         figures,
         rows["systems"],
+        rows["studies"],
         tuple(left_out),
     )
 

@@ -20,6 +20,7 @@ from mptune.report.content.identification import identification
 from mptune.report.content.loops import gain_chain, inequalities, loop_plots, sensitivities
 from mptune.report.content.papers_frame import papers_frame
 from mptune.report.content.parameters import ledger, parameters
+from mptune.report.content.studies import studies
 from mptune.report.content.systems import systems
 from mptune.report.content.tradeoff import comparison, front
 from mptune.report.content.weights import weights
@@ -47,6 +48,7 @@ CHAPTERS: tuple[Callable[[Results], Chapter | None], ...] = (
     front,
     weights,
     systems,
+    studies,
     identification,
     parameters,
     ledger,
