@@ -68,5 +68,7 @@ def _study(axes: Axes, rows: Sequence[dict[str, Any]], name: str, number: int) -
     for one, x, y in zip(rows, index, loss, strict=True):
         face = color if one["gains"] == "tuned" else "white"
         label = figure_text(name) if one is rows[-1] else None
-        look = {"color": color, "marker": marker, "markersize": 6, "linestyle": "none"}
+        look: dict[str, Any] = {
+            "color": color, "marker": marker, "markersize": 6, "linestyle": "none",
+        }  # fmt: skip
         axes.plot(x, y, markerfacecolor=face, label=label, **look)

@@ -67,7 +67,8 @@ class StudiesCompared:
     def json(self) -> dict[str, Any]:
         """Return the rows, each study's verdict, and the files."""
         verdicts = {one.study.name: one.judgement.json() for one in self.runs}
-        files = [str(path) for one in (*self.runs, self) for path in one.files]
+        written = (*(path for one in self.runs for path in one.files), *self.files)
+        files = [str(path) for path in written]
         return {"rows": list(self.rows), "studies": verdicts, "files": files}
 
 

@@ -80,12 +80,10 @@ def markdown(table: Tabular) -> str:
     table
         Any table of the report.
     """
-    lines = [
-        [column.text.replace("-\n", "").replace("\n", " ") for column in table.columns],
-        ["--:" if column.align == "right" else "---" for column in table.columns],
-        *([getattr(cell, "text", cell) for cell in row] for row in table.rows),
-    ]
-    body = "\n".join(f"| {' | '.join(cells)} |" for cells in lines)
+    headings = [one.text.replace("-\n", "").replace("\n", " ") for one in table.columns]
+    sides = ["--:" if one.align == "right" else "---" for one in table.columns]
+    rows = [[str(getattr(cell, "text", cell)) for cell in row] for row in table.rows]
+    body = "\n".join(f"| {' | '.join(cells)} |" for cells in (headings, sides, *rows))
     return f"## {table.title}\n\n{body}\n\n{table.legend}\n"
 
 
