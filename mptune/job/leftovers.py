@@ -4,6 +4,7 @@
 
     <out>/<study>/comparison.json    the controllers of ``tune --compare``
     <out>/<study>/front.json         the points of ``tune --front``
+    <out>/<study>/margins.json       the points of ``tune --front N --along disk_margin``
     <out>/<study>/weights.json       the recommendation and the front of ``weights``
     <out>/<study>/systems.json       the runs and calibrated values of ``systems``
     <out>/<study>/studies.json       the rows of ``studies``, this one among others
@@ -37,6 +38,7 @@ if TYPE_CHECKING:
 _FIGURES = {
     "comparison": "controllers",
     "front": "front",
+    "margins": "margins",
     "weights": "weights",
     "systems": "systems",
     "studies": "studies",
@@ -84,6 +86,7 @@ def leftovers(folder: Path, study: ResolvedStudy) -> Leftovers:
         figures,
         rows["systems"],
         rows["studies"],
+        rows["margins"],
         tuple(left_out),
     )
 

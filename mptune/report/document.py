@@ -22,7 +22,7 @@ from mptune.report.content.papers_frame import papers_frame
 from mptune.report.content.parameters import ledger, parameters
 from mptune.report.content.studies import studies
 from mptune.report.content.systems import systems
-from mptune.report.content.tradeoff import comparison, front
+from mptune.report.content.tradeoff import comparison, front, margins
 from mptune.report.content.weights import weights
 from mptune.report.pdf import pdf
 from mptune.report.web import web_page
@@ -46,6 +46,7 @@ CHAPTERS: tuple[Callable[[Results], Chapter | None], ...] = (
     papers_frame,
     comparison,
     front,
+    margins,
     weights,
     systems,
     studies,

@@ -41,6 +41,8 @@ class Leftovers:
         The runs and the calibrated values of ``systems``, as its JSON has them.
     studies
         The rows of ``studies``, as its JSON has them.
+    margins
+        The points of ``tune --front N --along disk_margin``, as its JSON has them.
     panels
         Fig. 3's panels of ``identify``.
     figures
@@ -56,6 +58,7 @@ class Leftovers:
     figures: Mapping[str, bytes] | None = None
     systems: tuple[dict[str, Any], ...] = ()
     studies: tuple[dict[str, Any], ...] = ()
+    margins: tuple[dict[str, Any], ...] = ()
     left_out: tuple[str, ...] = ()
 
 

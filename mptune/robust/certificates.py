@@ -115,11 +115,18 @@ def bound_json(one: Bound) -> dict[str, Any]:
     return {"attained": finite(one.attained), "bound": finite(one.bound), "closed": one.closed}
 
 
-def certify(model: LinearModel, gains: LoopGains) -> Certificates | None:
-    """Return what is guaranteed over the box; None where measured responses stand in its place."""
+def certified_problem(model: LinearModel, gains: LoopGains) -> BoxedLoop | None:
+    """Return the box and the loop; None where measured responses stand in the box's place."""
     if model.members is not None and model.members.instead:
         return None
-    problem = replace(BoxedLoop.of(model.study), gains=gains)
+    return replace(BoxedLoop.of(model.study), gains=gains)
+
+
+def certify(model: LinearModel, gains: LoopGains) -> Certificates | None:
+    """Return what is guaranteed over the box; None where measured responses stand in its place."""
+    problem = certified_problem(model, gains)
+    if problem is None:
+        return None
     paths = (*model.paths, *(("sampled",) if model.runs else ()))
     named = [(loop, model.path_name, equation) for loop, equation in EQUATION_OF.items()]
     named += [
