@@ -85,6 +85,7 @@ if TYPE_CHECKING:
     from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant, Plants
     from mptune.params.paper import LEDGER, PUBLISHED_GAINS
     from mptune.params.study import ResolvedStudy, Study
+    from mptune.params.valve_states import EdgeRule, StateKind
     from mptune.progress import Progress
     from mptune.robust.certificates import Certificates
     from mptune.robust.chain import Link, chain
@@ -168,6 +169,7 @@ _MODULES = {
     "params.packed": "LoopGains, MeasurementPath, NominalPlant, Plants",
     "params.paper": "LEDGER, PUBLISHED_GAINS",
     "params.study": "ResolvedStudy, Study",
+    "params.valve_states": "EdgeRule, StateKind",
     "progress": "Progress",
     "robust.certificates": "Certificates",
     "robust.chain": "Link, chain",
@@ -224,25 +226,24 @@ __all__ = [
     "LEDGER", "PUBLISHED_GAINS", "Agreement", "Band", "Baseline", "Blocking", "Bound", "Box",
     "BoxStability", "BoxedLoop", "Bracket", "BrokenLimit", "CalibratedValue", "CampaignResult",
     "CaseResult", "CaseStatus", "Certainty", "Certificates", "Change", "Check", "CommandedSpeed",
-    "Concave",
-    "Concession", "Condition", "Cone", "Design", "Difference", "Doubt", "Draw", "Energies",
-    "Excitation", "Family", "FamilyLoops", "Fault", "Feedforward", "Figures", "Fit", "FitStatus",
-    "ForceController", "ForceResponse", "FrequencyResponse", "Front", "FrontPoint", "Function",
-    "Gains", "GainsFile", "Grounds", "Guarantee", "Headline", "IdentifyResult", "InputError",
-    "Interval", "Iterate", "JobResult", "Judgement", "Limits", "Linear", "LinearModel",
-    "LinearMove", "Link", "LoopGains", "Margins", "Mark", "Measured", "MeasurementPath", "Members",
-    "MptuneError", "NominalPlant", "Norm", "Outcome", "OutputError", "Panel", "PapersFrame", "Peak",
-    "PeakVerdict", "Plan", "PlantBox", "PlantPoint", "Plants", "Point", "Progress", "RationalPlant",
-    "Recommendation", "Relief", "ResolvedStudy", "Result", "Round", "RunRecord", "SetFigures",
-    "ShapeStatus", "Shaped", "Sides", "Stability", "Stage", "Status", "Structure", "Study",
-    "SweepResult", "SystemRun", "SystemsResult", "Trial", "TuneResult", "TuneStatus", "Use",
-    "VelocityGain", "VerifyResult", "Weights", "WeightsResult", "Workers", "baselines", "chain",
-    "compare_systems", "controller_to_control", "design", "fit_response", "from_frd", "front",
-    "gains_for", "identify_loop", "judge", "judge_sweep", "linear_moves", "load_study",
-    "machine_changes", "machine_checks", "p_structure", "pi_structure", "pid_structure",
-    "plan_campaign", "position_structure", "read_gains", "read_response", "run", "run_campaign",
-    "search_weights", "structure_of", "sweep", "to_pandas", "tune_gains", "verify_gains", "workers",
-    "write_gains", "write_response",
+    "Concave", "Concession", "Condition", "Cone", "Design", "Difference", "Doubt", "Draw",
+    "EdgeRule", "Energies", "Excitation", "Family", "FamilyLoops", "Fault", "Feedforward",
+    "Figures", "Fit", "FitStatus", "ForceController", "ForceResponse", "FrequencyResponse", "Front",
+    "FrontPoint", "Function", "Gains", "GainsFile", "Grounds", "Guarantee", "Headline",
+    "IdentifyResult", "InputError", "Interval", "Iterate", "JobResult", "Judgement", "Limits",
+    "Linear", "LinearModel", "LinearMove", "Link", "LoopGains", "Margins", "Mark", "Measured",
+    "MeasurementPath", "Members", "MptuneError", "NominalPlant", "Norm", "Outcome", "OutputError",
+    "Panel", "PapersFrame", "Peak", "PeakVerdict", "Plan", "PlantBox", "PlantPoint", "Plants",
+    "Point", "Progress", "RationalPlant", "Recommendation", "Relief", "ResolvedStudy", "Result",
+    "Round", "RunRecord", "SetFigures", "ShapeStatus", "Shaped", "Sides", "Stability", "Stage",
+    "StateKind", "Status", "Structure", "Study", "SweepResult", "SystemRun", "SystemsResult",
+    "Trial", "TuneResult", "TuneStatus", "Use", "VelocityGain", "VerifyResult", "Weights",
+    "WeightsResult", "Workers", "baselines", "chain", "compare_systems", "controller_to_control",
+    "design", "fit_response", "from_frd", "front", "gains_for", "identify_loop", "judge",
+    "judge_sweep", "linear_moves", "load_study", "machine_changes", "machine_checks", "p_structure",
+    "pi_structure", "pid_structure", "plan_campaign", "position_structure", "read_gains",
+    "read_response", "run", "run_campaign", "search_weights", "structure_of", "sweep", "to_pandas",
+    "tune_gains", "verify_gains", "workers", "write_gains", "write_response",
 ]  # fmt: skip
 
 

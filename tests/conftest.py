@@ -31,6 +31,22 @@ STUDY = ROOT / "studies" / "boom" / "study.toml"
 
 TWICE = 'uncertainty.delay_as_it_runs=["11 ms", "21.5 ms"]'
 
+SHAPES = {
+    # A converter between tank and accumulator, a constant line, and unequal valves on one line.
+    "mixed": {
+        "lines": '[{kind = "tank", pressure = "1 MPa"}, '
+        '{kind = "converter", between = [1, 4], share = 0.3}, '
+        '{kind = "constant", pressure = "8 MPa", sizes = [0.5, 1.0, 2.0]}, '
+        '{kind = "accumulator", pressure = "14 MPa"}]',
+        "edges.states": '["subsets", "crossflow"]',
+    },
+    "following": {
+        "lines": '[{kind = "tank", pressure = "0.5 MPa"}, {kind = "pump", pressure = "16 MPa", '
+        'margin = "2 MPa", standby = "2 MPa", lag = "60 ms"}]',
+        "edges.sizes": "[1, 1, 2]",
+    },
+}
+
 # Interpreted kernels are slow; the corners of the box hold the worst plants of the paper's sets.
 POINTS = 2 if numba.config.DISABLE_JIT else 7
 
@@ -94,6 +110,19 @@ def fig_5_twice(load_boom):
 def section_5_1(load_boom):
     """The sweep of the published gains over the ranges of §5.1."""
     return sweep(load_boom(uncertainty="section-5-1"))
+
+
+@pytest.fixture(scope="session")
+def load_shape(load_boom):
+    """Load the corners of a machine of another size: a study, or the boom with other lines."""
+
+    def load(name, *overrides):
+        if name in SHAPES:
+            changes = [f"{key}={value}" for key, value in SHAPES[name].items()]
+            return load_boom(*changes, *overrides, corners=True)
+        return _load(ROOT / "studies" / name / "study.toml", *overrides, corners=True)
+
+    return load
 
 
 @pytest.fixture

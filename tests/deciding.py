@@ -5,8 +5,10 @@ from itertools import pairwise
 
 import numpy as np
 
-from mptune.force.cost import supply_pressures
+from mptune.force.cost import line_pressures
+from mptune.force.search_space import search_space
 from mptune.force.select import decide
+from mptune.params.packed import MADE_BY
 
 
 def root(difference, transition):
@@ -50,8 +52,9 @@ def heun(*args):
 
 
 def counts_of(space, state):
-    """Open valves towards each of the six supplies."""
-    return space.valves[state].reshape(6, 2).sum(axis=1)
+    """Open valves towards each line, in units of the flow coefficient."""
+    line, size = space.edge
+    return np.bincount(line.astype(int), size * space.valves[state], space.lines.shape[1])
 
 
 def flows(p, counts, supplies, s):
@@ -81,10 +84,10 @@ def settled(side, v, supplies, counts, s):
 
 
 def side_of(side, p, x, present, case, space, s):
-    """Pressures, forces and costs of one side's 28 states, every option of the decision counted."""
+    """Pressures, forces and costs of one side's states, every option of the decision counted."""
     v, supplies, period = case["v"], case["supplies"], s.sampling_period
     rows = []
-    for state in range(28):
+    for state in range(len(space.first)):
         counts = counts_of(space, state)
         extra = 0.0
         if s.steady_state:
@@ -103,24 +106,26 @@ def side_of(side, p, x, present, case, space, s):
                 energy = sum(period / 8 * (one + two) for one, two in pairwise(powers))
         then, now = (flows(q, counts, supplies, s) for q in (ends[1], ends[0]))
         share, conversion = s.predicted_share, 0.0
-        for i in range(4):
-            into = -(share * then[i + 1] + (1 - share) * now[i + 1])
-            conversion += into * case["converters"][i] ** 3
+        for line, converter in enumerate(space.lines[MADE_BY].astype(int)):
+            if converter >= 0:
+                into = -(share * then[line] + (1 - share) * now[line])
+                conversion += into * case["converters"][converter] ** 3
         switches = np.abs(space.valves[state] - space.valves[present]).sum()
         cost = s.weight_switching * switches + s.weight_loss * energy + extra
         cost += s.weight_converter * conversion
-        cost += 1e6 * (not s.pressure_min <= after <= s.pressure_max)
+        beyond = max(s.pressure_min - after, after - s.pressure_max, 0)
+        cost += s.weight_pressure * beyond if s.weight_pressure else 1e6 * (beyond > 0)
         rows.append((after, (s.area_a, s.area_b)[side] * after, cost))
     return np.array(rows).T
 
 
 def pair_costs(a, b, case, s):
-    """Costs of all combinations of two sides, ``(28, 28)``."""
+    """Costs of all combinations of two sides, ``(S, S)``."""
     error = np.abs(case["wanted"] - (a[1][:, None] - b[1]))
     width = s.error_width
     small = error < width
     counted = np.where(small, error**2 / (2 * width if width else 1), error - width / 2)
-    middle = (case["supplies"][0] + case["supplies"][5]) / 2
+    middle = (case["supplies"][0] + case["supplies"][-1]) / 2
     common = np.abs((a[0][:, None] + b[0]) / 2 - middle)
     return counted + s.weight_common_mode * common + a[2][:, None] + b[2]
 
@@ -138,25 +143,28 @@ def costs_ahead(case, space, s):
     x = case["x"] + case["v"] * s.sampling_period
     found = {}
     for number in np.argsort(costs.ravel(), kind="stable")[: int(s.candidates)]:
-        i, j = divmod(int(number), 28)
+        i, j = divmod(int(number), len(space.first))
         then_a = side_of(0, a[0][i], x, i, case, space, s)
         then_b = side_of(1, b[0][j], x, j, case, space, s)
         found[i, j] = costs[i, j] + pair_costs(then_a, then_b, case, s).min()
     return found
 
 
-def states(count, seed):
+def states(count, seed, space=None, highest=(11e6, 16e6), low=2e6):
+    """Random states of a machine, the paper's by default; its highest line varies."""
+    space = space or search_space()
+    converters = int(space.lines[MADE_BY].max()) + 1
     random = np.random.default_rng(seed)
     for _ in range(count):
-        high = random.uniform(11e6, 16e6)
+        high = random.uniform(*highest)
         yield {
             "wanted": random.uniform(-5e4, 7e4),
-            "p": random.uniform(0.3e6, 16.5e6, 2),
+            "p": random.uniform(0.15 * low, highest[1] + 0.5e6, 2),
             "x": random.uniform(0, 0.3),
             "v": random.uniform(-0.12, 0.12),
-            "supplies": supply_pressures(2e6, high),
-            "converters": random.uniform(-0.075, 0.075, 4),
-            "present": tuple(int(i) for i in random.integers(0, 28, 2)),
+            "supplies": line_pressures(low, high, space),
+            "converters": random.uniform(-0.075, 0.075, converters),
+            "present": tuple(int(i) for i in random.integers(0, len(space.first), 2)),
         }
 
 

@@ -13,7 +13,7 @@ import numpy as np
 
 from mptune.force.cost import force_limits, side_costs, supply_pressures
 from mptune.force.estimator import SIDE_A, SIDE_B
-from mptune.force.search_space import search_space
+from mptune.force.search_space import search_space, space_of
 from mptune.params.pack import (
     pack_estimator,
     pack_feedforward,
@@ -104,7 +104,7 @@ def rig_of(study, case, gains=None, feedforward=None):
         ),
         signals=pack_signals(controller, pack_estimator(study), pack_sensors(study.study.sensors)),
         settings=settings,
-        space=search_space(),
+        space=space_of(study),
         moves=moves_of(study.study.manoeuvre),
         random=np.random.default_rng(case.seed),
         first=first,
@@ -155,8 +155,8 @@ def drive(rig, unit, sets=1):
     """
     memory, machine, signals = rig.memory, rig.machine, rig.signals
     tick_time = signals.sample_time
-    work = new_work(memory.valves)
-    trace = np.empty((sets * rig.ticks, loop.COLUMNS))
+    work = new_work(memory.valves, rig.space.lines, rig.space.edge, len(memory.state))
+    trace = np.empty((sets * rig.ticks, loop.CONVERTER_1 + machine.converters))
     unit.start(rig.first, rig.load)
     for row, (number, tick) in zip(trace, np.ndindex(sets, rig.ticks), strict=True):
         now = number * rig.ticks * tick_time + tick * tick_time

@@ -3,9 +3,9 @@
  *
  * replay INPUTS OUTPUTS PASSES
  *
- * INPUTS holds doubles: load force, twelve values for mptune_init, then twelve for each step.
+ * INPUTS holds doubles: load force, the values of mptune_inputs for mptune_init, then for each step.
  * OUTPUTS takes doubles for each step: force reference, fault, stopped, states of A and B, decided,
- * 24 valves. The passes after the first repeat the run from the start; printed is the longest step
+ * all valves. The passes after the first repeat the run from the start; printed is the longest step
  * in ns, for each step the shortest of all passes, so that other programs' interrupts do not count.
  */
 #define _POSIX_C_SOURCE 199309L
@@ -15,8 +15,8 @@
 
 #include "mptune_controller.h"
 
-#define COLUMNS 12
-#define RESULTS 30
+#define COLUMNS (8 + MPTUNE_CONVERTERS)
+#define RESULTS (6 + 2 * MPTUNE_VALVES)
 
 static mptune_inputs inputs_of(const double *row)
 {
@@ -29,7 +29,7 @@ static mptune_inputs inputs_of(const double *row)
     in.pressure_b = (mptune_real)row[5];
     in.pressure_high = (mptune_real)row[6];
     in.pressure_low = (mptune_real)row[7];
-    for (size_t i = 0; i < MPTUNE_CONVERTERS; i++) {
+    for (size_t i = 0; i != MPTUNE_CONVERTERS; i++) {
         in.converter[i] = (mptune_real)row[8 + i];
     }
     return in;

@@ -23,7 +23,6 @@ REPLAY = Path(__file__).with_name("replay.c")
 STRICT = ("-std=c99", "-Wall", "-Wextra", "-Wpedantic", "-Wconversion", "-Werror")
 EXACT = ("-O2", "-ffp-contract=off")
 UNDEFINED = ("-O1", "-g", "-ffp-contract=off", "-fno-sanitize-recover=all")
-RESULTS = 30
 FORCE, FAULT, STOPPED, STATE_A, STATE_B, DECIDED = range(6)
 VALVES = slice(6, 30)
 SINGLE_FORCE = 0.8  # N, what single precision makes of forces of 80 kN after eight steps of Eq. 5
@@ -111,7 +110,7 @@ def replay(program, recording, folder, passes=1):
         check=False,
     )
     assert done.returncode == 0, done.stderr
-    return np.fromfile(outputs).reshape(-1, RESULTS), float(done.stdout)
+    return np.fromfile(outputs).reshape(len(recording.inputs), -1), float(done.stdout)
 
 
 class Inputs(ctypes.Structure):

@@ -21,26 +21,13 @@ from mptune.certify.discs import (
     total,
     turning_disc,
 )
-from mptune.certify.enclosure import (
-    DELAY,
-    GAIN,
-    OMEGA,
-    PHASE,
-    RATIO,
-    TAU_A,
-    TAU_B,
-    PlantDiscs,
-)
+from mptune.certify.enclosure import DELAY, GAIN, OMEGA, PHASE, RATIO, TAU_A, TAU_B, PlantDiscs
 from mptune.certify.rows import D_0, D_1, stored
 
 
 @kernel
 def clearance(
-    plant: PlantDiscs,
-    row: FloatArray,
-    terms: int,
-    centre: FloatArray,
-    half: FloatArray,
+    plant: PlantDiscs, row: FloatArray, terms: int, centre: FloatArray, half: FloatArray
 ) -> Real:
     """Return what the denominator's modulus is at least over a box, or a number below zero.
 

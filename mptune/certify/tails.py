@@ -10,9 +10,8 @@ l_F = l(1 + C/ω) and q = C/(ω(p − 1)), all falling with ω wherever p > 1::
     compliance      ≤ μ_max/p² · 1/(1 − l_F)
 
 and |S − T|/2 ≤ (S + T)/2. They hold with and without a measurement path, whose responses are at
-most 1 in modulus, as |G_F| is. The loop as it runs has no tail: it
-repeats itself. Around a state estimator l_F is ``mptune.loops.estimated``'s bound of the loop, and
-the axis ends at half the fast rate.
+most 1 in modulus, as |G_F| is. The loop as it runs has no tail: it repeats itself. Around a state
+estimator l_F is the bound of ``mptune.loops.estimated``; the axis ends at half the fast rate.
 """
 
 from __future__ import annotations
@@ -50,10 +49,8 @@ def tail_start(form: Form, ratio: float, level: float) -> float:
         low, high = high, 2 * high
     for _ in range(_STEPS):
         middle = 0.5 * (low + high)
-        if tail_bound(form, ratio, middle) <= level:
-            high = middle
-        else:
-            low = middle
+        small = tail_bound(form, ratio, middle) <= level
+        low, high = (low, middle) if small else (middle, high)
     return high
 
 
@@ -86,10 +83,8 @@ def _estimated_start(form: Form, ratio: float, level: float) -> float:
     for _ in range(_STEPS):
         middle = math.sqrt(low * high)
         whole = falling_bound(middle, mass, form.gains, form.path)
-        if math.isfinite(whole) and _estimated_bound(form, ratio, middle, whole) <= level:
-            high = middle
-        else:
-            low = middle
+        small = math.isfinite(whole) and _estimated_bound(form, ratio, middle, whole) <= level
+        low, high = (low, middle) if small else (middle, high)
     return high
 
 

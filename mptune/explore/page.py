@@ -9,10 +9,11 @@ import panel as pn
 from bokeh.models import CustomJS
 from bokeh.models.widgets import Toggle
 
+from mptune.explore.chain_view import ChainView
 from mptune.explore.controls import Controls
 from mptune.explore.looks import DARK, LIGHT, dress
 from mptune.explore.loop_views import LoopsView
-from mptune.explore.machine_view import ChainView, MoveView
+from mptune.explore.move_view import MoveView
 from mptune.explore.setting import LOOPS, PLANTS
 from mptune.explore.sides_view import SidesView
 from mptune.explore.steps_view import StepsView

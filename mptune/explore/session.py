@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from mptune.explore.setting import Value
 
 _REST = 300  # ms without an event, after which a slider rests
+_STEPS = 120  # ms, after which the steps follow
 _WAITING = "grid figures; the certified verdict follows when the sliders rest"
 _PREPARING = "preparing; on first use kernels are compiled, which takes a minute"
 
@@ -56,6 +57,7 @@ class Session:
         self._now: Picture | None = None
         self._kept: Picture | None = None
         self._proved: CertifiedFigures | None = None
+        self._stepping = False  # the steps are on their way
         self._drawing = False  # a drawing is on its way
         self._broken = False  # what the knobs say is no study
         self._resting: Any = None  # what waits for rest
@@ -206,10 +208,24 @@ class Session:
         page, kept = self.page, self._kept
         if view == VIEWS[0]:
             page.sides.show(found, kept)
-            page.steps.show(found, kept)
+            self._show_steps_soon()
         elif view == VIEWS[1]:
             page.loops.show(found, kept)
         self._show_lamps()
+
+    def _show_steps_soon(self) -> None:
+        """Let the steps follow both inequalities, some times a second: a browser draws slowly."""
+        if self._document is None:
+            self._show_steps()
+        elif not self._stepping:
+            self._stepping = True
+            self._document.add_timeout_callback(self._show_steps, _STEPS)
+
+    def _show_steps(self) -> None:
+        self._stepping = False
+        if self._now is not None and self._now.steps is not None:
+            with pn.io.hold():
+                self.page.steps.show(self._now, self._kept)
 
     def _show_lamps(self) -> None:
         if self._now is None:

@@ -6,16 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from mptune.explore.looks import (
-    Titles,
-    band,
-    decades,
-    hover,
-    line,
-    link,
-    new_plot,
-    show_kept,
-)
+from mptune.explore.looks import Titles, band, decades, hover, line, link, new_plot, show_kept
 from mptune.explore.plotted import source
 from mptune.robust.place import plant_point
 from mptune.robust.tables import EQUATIONS

@@ -9,14 +9,15 @@ import numpy as np
 
 from mptune.escaping import c_string, comment_text
 from mptune.export.formats import Precision
-from mptune.force.search_space import search_space
+from mptune.force.search_space import space_of
+from mptune.params.packed import BASE, MADE_BY, RESTS, SHARE
 
 if TYPE_CHECKING:
     from collections.abc import Iterable, Iterator
 
-    from mptune.arrays import IntArray
     from mptune.export.controller import TargetController
 
+_BYTE = 255  # the most that a byte counts
 FLAGS = ("-std=c99", "-O2", "-ffp-contract=off")
 _CONSTANTS = """\
 #ifndef MPTUNE_PARAMETERS_H
@@ -26,6 +27,11 @@ _CONSTANTS = """\
 
 #define MPTUNE_SINGLE_PRECISION {single}
 #define MPTUNE_TICKS {ticks}U /* T_S / T_S,fast: steps per decision */
+#define MPTUNE_LINES {lines}U /* pressures between which each chamber is switched */
+#define MPTUNE_CONVERTERS {converters}U /* converter cylinders that make some of them */
+#define MPTUNE_PLACES {places}U /* room for their positions: at least 1 */
+#define MPTUNE_SIGNALS (5U + MPTUNE_CONVERTERS) /* position, two chambers, two lines, converters */
+#define MPTUNE_VALVES {valves}U /* valves of one side: those of a line in parallel, line by line */
 #define MPTUNE_STATES {states}U /* valve states of one side, Eq. 6 */
 #define MPTUNE_CANDIDATES {candidates}U /* pairs looked at two periods ahead; at least 1 */
 #define MPTUNE_MARGINS_SATISFIED {trusted} /* 0 where the export was forced */
@@ -40,18 +46,28 @@ typedef float mptune_real;
 typedef double mptune_real;
 #endif
 
+typedef {choice} mptune_choice; /* number of a valve state */
+
 /* The study's numbers, SI. */
 typedef struct {{
 {members}
 }} mptune_parameters;
 
-/* What a valve state of one side connects: a supply, and in crossflow its neighbour. */
+/* What a valve state of one side connects: a line, and in crossflow its neighbour. */
 typedef struct {{
-    uint8_t first;        /* supply, 0 lowest to 5 highest */
-    uint8_t first_count;  /* its open valves */
+    uint8_t first;            /* line, 0 for the lowest pressure */
+    mptune_real first_count;  /* its open valves, in K_v */
     uint8_t second;
-    uint8_t second_count; /* 0 without crossflow */
+    mptune_real second_count; /* 0 without crossflow */
 }} mptune_port;
+
+/* A line's pressure: its base and a share of the way from there to the highest line. */
+typedef struct {{
+    mptune_real base;  /* Pa */
+    mptune_real share;
+    uint8_t rests;     /* 1 where the base is the lowest line's pressure as measured */
+    uint8_t converter; /* that makes it; MPTUNE_PLACES for none */
+}} mptune_line;
 
 #ifdef __cplusplus
 extern "C" {{
@@ -59,7 +75,8 @@ extern "C" {{
 
 extern const mptune_parameters mptune_study;
 extern const mptune_port mptune_ports[MPTUNE_STATES];
-extern const uint8_t mptune_valves[MPTUNE_STATES][12];                /* 1 where open */
+extern const mptune_line mptune_lines[MPTUNE_LINES];
+extern const uint8_t mptune_valves[MPTUNE_STATES][MPTUNE_VALVES];   /* 1 where open */
 extern const uint8_t mptune_switches[MPTUNE_STATES][MPTUNE_STATES]; /* valves that differ */
 
 #ifdef __cplusplus
@@ -80,7 +97,11 @@ const mptune_port mptune_ports[MPTUNE_STATES] = {{
 {ports}
 }};
 
-const uint8_t mptune_valves[MPTUNE_STATES][12] = {{
+const mptune_line mptune_lines[MPTUNE_LINES] = {{
+{lines}
+}};
+
+const uint8_t mptune_valves[MPTUNE_STATES][MPTUNE_VALVES] = {{
 {valves}
 }};
 
@@ -114,6 +135,8 @@ def c_comment(lines: Iterable[str]) -> str:
 
 def _constants(controller: TargetController) -> str:
     numbers, provenance = controller.numbers, controller.provenance()
+    space, converters = space_of(controller.study), controller.study.study.converters
+    states, valves = space.valves.shape
     members = (
         f"    mptune_real {one.key}; /* {one.unit if one.unit != '1' else '-'}, {one.meaning} */"
         for one in numbers.all()
@@ -121,7 +144,12 @@ def _constants(controller: TargetController) -> str:
     return _CONSTANTS.format(
         single=int(numbers.precision is Precision.FLOAT),
         ticks=numbers.ticks,
-        states=len(search_space().first),
+        lines=space.lines.shape[1],
+        converters=converters,
+        places=max(converters, 1),
+        valves=valves,
+        states=states,
+        choice="uint8_t" if states <= _BYTE else "uint16_t",
         candidates=max(round(numbers.value("candidates")), 1),
         trusted=int(controller.trusted),
         verdict=c_string(controller.word),
@@ -133,20 +161,28 @@ def _constants(controller: TargetController) -> str:
 
 
 def _data(controller: TargetController) -> str:
-    space = search_space()
+    space = space_of(controller.study)
+    places = max(controller.study.study.converters, 1)
     numbers = controller.numbers
     single = numbers.precision is Precision.FLOAT
     values = (
         f"    .{one.key} = {_literal(one.value, single=single)}, /* {one.value.hex()} */"
         for one in numbers.all()
     )
+
+    def rows(table: Iterable[Iterable[float]]) -> str:
+        return "\n".join(_rows(table, single=single))
+
     columns = (space.first, space.first_count, space.second, space.second_count)
-    ports = np.stack(columns, axis=1).astype(np.int64)
+    lines = space.lines
+    made_by = np.where(lines[MADE_BY] < 0, places, lines[MADE_BY])
+    described = np.stack([lines[BASE], lines[SHARE], lines[RESTS], made_by], axis=1)
     return _DATA.format(
         values="\n".join(values),
-        ports="\n".join(_rows(ports)),
-        valves="\n".join(_rows(space.valves)),
-        switches="\n".join(_rows(space.switches.astype(np.int64))),
+        ports=rows(zip(*columns, strict=True)),
+        lines=rows(described),
+        valves=rows(space.valves),
+        switches=rows(space.switches),
     )
 
 
@@ -155,6 +191,11 @@ def _literal(value: float, *, single: bool) -> str:
     return f"{np.float32(value)!s}F" if single else repr(value)
 
 
-def _rows(table: IntArray) -> Iterator[str]:
+def _rows(table: Iterable[Iterable[float]], *, single: bool) -> Iterator[str]:
+    """Return initialisers; whole numbers are exact in any type."""
     for row in table:
-        yield "    {" + ", ".join(f"{value}U" for value in row) + "},"
+        texts = (
+            f"{int(value)}U" if value == int(value) else _literal(float(value), single=single)
+            for value in row
+        )
+        yield "    {" + ", ".join(texts) + "},"

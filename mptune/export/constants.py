@@ -87,6 +87,7 @@ _MEANINGS = {
     "weight_common_mode": ("N/Pa", "W_cm"),
     "steady_state": ("1", "1 judges by settled pressures, 0 by those after T_S"),
     "weight_compression": ("N/J", "W_comp"),
+    "weight_pressure": ("N/Pa", "of a pressure beyond its limits; 0 for the fixed penalty"),
     "rest_velocity": ("m/s", "velocity below which a closed chamber counts as settled"),
     "position_least": ("m", "accepted position and reference"),
     "position_largest": ("m", "accepted position and reference"),
@@ -184,12 +185,13 @@ def _accepted(study: ResolvedStudy) -> dict[str, float]:
     """Return the limits beyond which an input is taken for a broken sensor or caller."""
     stroke, supplies = study.study.cylinder.stroke, study.study.supplies
     period = study.study.controller.sampling_period
+    travel = supplies.converter_travel if study.study.converters else 0.0
     return {
         "position_least": -0.1 * stroke,
         "position_largest": 1.1 * stroke,
         "pressure_least": -0.1 * supplies.relief_pressure,
         "pressure_largest": 3 * supplies.relief_pressure,
-        "converter_largest": 1.1 * supplies.converter_travel,
+        "converter_largest": 1.1 * travel,
         "velocity_reference_largest": stroke / period,
         "acceleration_reference_largest": stroke / period**2,
     }

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
+from mptune.force.search_space import space_of
+
 if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
 
@@ -34,6 +36,7 @@ def variables(study: ResolvedStudy) -> tuple[Variable, ...]:
     """Return inputs (the members of ``mptune_inputs``, in order), a parameter, and outputs."""
     supplies, middle = study.study.supplies, study.study.cylinder.stroke / 2
     low, high = supplies.low_pressure, supplies.high_pressure
+    last = len(space_of(study).first) - 1
     inputs: tuple[tuple[str, str, float, str], ...] = (
         ("position_reference", "m", middle, "x_ref"),
         ("velocity_reference", "m/s", 0.0, "v_ref"),
@@ -45,20 +48,20 @@ def variables(study: ResolvedStudy) -> tuple[Variable, ...]:
         ("pressure_low", "Pa", low, "sampled pressure of the lowest supply"),
         *(
             (f"converter[{i}]", "m", 0.0, "sampled converter position, positive on filling")
-            for i in range(1, 5)
+            for i in range(1, study.study.converters + 1)
         ),
     )
     outputs: tuple[tuple[str, Kind, str], ...] = (
-        ("state_a", "integer", "valve state of side A, 0 to 27"),
-        ("state_b", "integer", "valve state of side B, 0 to 27"),
+        ("state_a", "integer", f"valve state of side A, 0 to {last}"),
+        ("state_b", "integer", f"valve state of side B, 0 to {last}"),
         ("fault", "integer", "sum of the faults of mptune_controller.h; 0 for none"),
         ("stopped", "boolean", "the stop logic holds all valves shut"),
         ("decided", "boolean", "the loops ran in this step"),
         *(
             (f"valve_{side}[{supply},{number}]", "boolean", "open; supplies from the lowest up")
             for side in "ab"
-            for supply in range(1, 7)
-            for number in (1, 2)
+            for supply, parallel in enumerate(study.study.edge_rule.sizes, 1)
+            for number in range(1, len(parallel) + 1)
         ),
     )
     load = "load at the start as far as it is known: the integrator carries it"

@@ -79,11 +79,7 @@ def _ratio(
     look: dict[str, Any],
 ) -> None:
     proved = envelope(
-        found.problem,
-        condition.name,
-        result.model.path_name,
-        EQUATION_OF[condition.name],
-        ends,
+        found.problem, condition.name, result.model.path_name, EQUATION_OF[condition.name], ends
     )
     name = EQUATIONS[condition.name]
     axes.stairs(proved.bound, ends, label=f"{name}, certified", baseline=None, **look)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import cycle
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -16,9 +17,8 @@ if TYPE_CHECKING:
     from mptune.sim.record import RunRecord
     from mptune.verify.result import CaseResult
 
-_GREYS = ("0.0", "0.25", "0.4", "0.5")
+_LOOKS = (("0.0", "-"), ("0.25", "--"), ("0.4", "-."), ("0.5", ":"))
 _DRAWN = 2000  # points per curve
-_SINGLE_FROM, _CROSSFLOW_FROM = 6.5, 12.5  # borders between the kinds of valve states
 
 
 def machine_traces(case: CaseResult, feedforward: Feedforward | None = None) -> Figure:
@@ -36,34 +36,37 @@ def machine_traces(case: CaseResult, feedforward: Feedforward | None = None) -> 
     record = case.record
     few = slice(None, None, max(len(case.traces) // _DRAWN, 1))
     time, trace = record.time[few], case.traces[few]
+    converters = trace.shape[1] - loop.CONVERTER_1
     with style():
         figure = new_figure(9.3)
-        axes = figure.subplots(10 if learns else 9, 1, sharex=True)
+        count = 8 + (converters > 0) + learns
+        axes = figure.subplots(count, 1, sharex=True)
         _motion(axes[:3], record, few)
         _forces(axes[3:6], record, few)
         for one, column, side in ((axes[6], loop.STATE_A, "A"), (axes[7], loop.STATE_B, "B")):
             one.step(time, trace[:, column], where="post", **{**NOMINAL, "linewidth": 0.7})
-            one.axhline(_SINGLE_FROM, **REFERENCE)
-            one.axhline(_CROSSFLOW_FROM, **REFERENCE)
-            one.set(ylabel=f"State {side} [–]", ylim=(-1, 28))
-        for i, dashes in enumerate(("-", "--", "-.", ":")):
-            look = {"linewidth": 1.1, "color": _GREYS[i], "linestyle": dashes}
+            for border in np.cumsum(case.states)[1:-1]:
+                one.axhline(border - 0.5, **REFERENCE)  # between the kinds of valve states
+            one.set(ylabel=f"State {side} [–]", ylim=(-1, sum(case.states)))
+        for i, (grey, dashes) in zip(range(converters), cycle(_LOOKS)):
+            look = {"linewidth": 1.1, "color": grey, "linestyle": dashes}
             place = 1e3 * trace[:, loop.CONVERTER_1 + i]
             axes[8].plot(time, place, label=f"converter {i + 1}", **look)
-        axes[8].set(ylabel="Converter\n[mm]", xlim=(0, time[-1]))
+        if converters:
+            axes[8].set_ylabel("Converter\n[mm]")
         if learns:
-            axes[9].plot(time, trace[:, loop.FED_MASS] / 1e3, **NOMINAL)
-            axes[9].axhline(case.mass_kg / 1e3, **REFERENCE)
-            axes[9].margins(y=0.2)
-            axes[9].set_ylabel("Learnt\nmass [t]")
-        axes[-1].set_xlabel("Time [s]")
+            axes[-1].plot(time, trace[:, loop.FED_MASS] / 1e3, **NOMINAL)
+            axes[-1].axhline(case.mass_kg / 1e3, **REFERENCE)
+            axes[-1].margins(y=0.2)
+            axes[-1].set_ylabel("Learnt\nmass [t]")
+        axes[-1].set(xlabel="Time [s]", xlim=(0, time[-1]))
         axes[0].set_title(
             f"{case.mass_kg / 1e3:g} t, oil {case.oil_bulk_modulus_pa / 1e6:g} MPa, "
             f"valve delay {_delays(case)} ms: {case.status.value}",
             loc="left",
         )
         figure.align_ylabels(axes)
-        legend_below(figure, axes[0], axes[3], axes[8])
+        legend_below(figure, axes[0], axes[3], *axes[8:])
     return figure
 
 

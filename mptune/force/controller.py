@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.errors import MptuneError
-from mptune.force.cost import supply_pressures
-from mptune.force.search_space import search_space
+from mptune.force.cost import line_pressures
+from mptune.force.search_space import space_of
 from mptune.force.select import decide
 from mptune.force.stop import stopped
 from mptune.params.pack import pack_force, pack_signals
@@ -31,7 +31,7 @@ class Measured:
     pressure_b: float  # Pa
     pressure_low: float  # Pa, lowest supply
     pressure_high: float  # Pa, highest supply
-    converters: Sequence[float]  # m, four deviations from the centre, positive on filling
+    converters: Sequence[float]  # m, deviations from the centre, positive on filling
 
 
 class ForceController:
@@ -44,7 +44,8 @@ class ForceController:
     """
 
     def __init__(self, study: ResolvedStudy) -> None:
-        self._space = search_space()
+        self._space = space_of(study)
+        self._converters = study.study.converters
         self._settings = pack_force(study)
         self._signals = pack_signals(study.study.controller)
         self._states = (0, 0)
@@ -52,13 +53,13 @@ class ForceController:
 
     @property
     def states(self) -> tuple[int, int]:
-        """The present states of the A- and B-side, 0 to 27."""
+        """The present states of the A- and B-side, 0 for closed; 0 to 27 in the paper."""
         return self._states
 
     def step(
         self, force: float, measured: Measured, position_reference: float, velocity_reference: float
     ) -> IntArray:
-        """Return the 24 valve commands for the next sampling period, side A first.
+        """Return the valve commands for the next sampling period, side A first.
 
         Parameters
         ----------
@@ -77,7 +78,7 @@ class ForceController:
         numbers = [force, position_reference, velocity_reference, measured.position]
         numbers += [measured.velocity, measured.pressure_a, measured.pressure_b]
         numbers += [measured.pressure_low, measured.pressure_high, *measured.converters]
-        if not np.isfinite(numbers).all() or len(measured.converters) != 4:
+        if not np.isfinite(numbers).all() or len(measured.converters) != self._converters:
             self._states = (0, 0)
             raise MptuneError("the force controller was given a value that is not finite")
         error = position_reference - measured.position
@@ -91,7 +92,7 @@ class ForceController:
                 measured.pressure_b,
                 measured.position,
                 measured.velocity,
-                supply_pressures(measured.pressure_low, measured.pressure_high),
+                line_pressures(measured.pressure_low, measured.pressure_high, self._space),
                 np.asarray(measured.converters, np.float64),
                 *self._states,
                 self._space,

@@ -1,7 +1,7 @@
 """What one side's valve state costs, and the force it will give (§2.3.2).
 
-Every term of Eq. 7 but the force error is a sum over the two sides, so that 28 + 28 pressure
-predictions serve all 28² combinations.
+Every term of Eq. 7 but the force error is a sum over the two sides, so that S + S pressure
+predictions serve all S² combinations, 28 + 28 in the paper.
 """
 
 from __future__ import annotations
@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.arrays import FloatArray, kernel
+from mptune.arrays import FloatArray, inlined_kernel, kernel
 from mptune.force.estimator import SIDE_A, displaced, predict, stiffness_path
+from mptune.force.search_space import search_space
+from mptune.params.packed import BASE, MADE_BY, RESTS, SHARE
 from mptune.plant.flow import orifice
 
 if TYPE_CHECKING:
@@ -19,7 +21,19 @@ if TYPE_CHECKING:
     from mptune.params.packed import ForceSettings
 
 _OUT_OF_RANGE = 1e6  # N, penalty of a pressure outside its limits
-_CONVERTERS = 4
+
+
+@inlined_kernel
+def beyond_limits(after: float, settings: ForceSettings) -> float:
+    """Return the penalty [N] of a pressure [Pa] outside its limits.
+
+    It is fixed, or in proportion where ``weight_pressure`` is given: a fixed one leaves only
+    states that hold the limits, useless ones too, where every useful state breaks them a little.
+    """
+    if settings.weight_pressure > 0:
+        beyond = max(settings.pressure_min - after, after - settings.pressure_max)
+        return settings.weight_pressure * beyond
+    return _OUT_OF_RANGE
 
 
 @kernel
@@ -36,7 +50,7 @@ def side_costs(
     force: FloatArray,
     cost: FloatArray,
 ) -> None:
-    """Fill force and cost ``(28,)`` [N] of every state of one side.
+    """Fill force and cost ``(S,)`` [N] of every state of one side.
 
     Parameters
     ----------
@@ -47,9 +61,9 @@ def side_costs(
     position, velocity
         Of the piston [m], [m/s].
     supplies
-        ``(6,)`` supply pressures [Pa].
+        ``(L,)`` pressures of the lines [Pa].
     converters
-        ``(4,)`` converter positions, deviation from the centre, positive on filling [m].
+        ``(K,)`` converter positions, deviation from the centre, positive on filling [m].
     present
         The state now.
     """
@@ -57,6 +71,7 @@ def side_costs(
     area = settings.area_a if side == SIDE_A else settings.area_b
     taken = displaced(side, velocity, settings)
     path = stiffness_path(side, position, velocity, period, settings)
+    places = converter_places(converters, space.lines)
     for state in range(len(cost)):
         i, j = space.first[state], space.second[state]
         count_i, count_j = space.first_count[state], space.second_count[state]
@@ -65,41 +80,48 @@ def side_costs(
         )
         loss, conversion = 0.0, 0.0
         if count_i > 0:
-            loss, conversion = _port(i, count_i, pressure, after, supplies, converters, settings)
+            loss, conversion = _port(count_i, supplies[i], pressure, after, places[i], settings)
         if count_j > 0:
-            more = _port(j, count_j, pressure, after, supplies, converters, settings)
+            more = _port(count_j, supplies[j], pressure, after, places[j], settings)
             loss, conversion = loss + more[0], conversion + more[1]
         total = settings.weight_switching * space.switches[present, state]  # Eq. 7, second term
         total += settings.weight_loss * loss  # Eq. 7, third term
         total += settings.weight_converter * conversion  # Eq. 7, fourth term
         if after < settings.pressure_min or after > settings.pressure_max:
-            total += _OUT_OF_RANGE
+            total += beyond_limits(after, settings)
         force[state] = area * after
         cost[state] = total
 
 
 @kernel
+def converter_places(converters: FloatArray, lines: FloatArray) -> FloatArray:
+    """Return where the converter stands that makes each line ``(L,)`` [m]; 0 where none does."""
+    places = np.zeros(lines.shape[1])
+    for line in range(len(places)):
+        converter = int(lines[MADE_BY, line])
+        if converter >= 0:
+            places[line] = converters[converter]
+    return places
+
+
+@kernel
 def _port(
-    supply: int,
     count: float,
+    supply: float,
     before: float,
     after: float,
-    supplies: FloatArray,
-    converters: FloatArray,
+    place: float,
     settings: ForceSettings,
 ) -> tuple[float, float]:
-    """Return E_loss [J] and Q_conv x³ [m⁶/s] of the valves towards one supply."""
+    """Return E_loss [J] and Q_conv x³ [m⁶/s] of the valves towards one line."""
     scale = settings.flow_coefficient * count
-    drop_now, drop_then = supplies[supply] - before, supplies[supply] - after
+    drop_now, drop_then = supply - before, supply - after
     flow_now = scale * orifice(drop_now, settings.transition_pressure)
     flow_then = scale * orifice(drop_then, settings.transition_pressure)
     loss = 0.5 * settings.sampling_period * (flow_now * drop_now + flow_then * drop_then)  # Eq. 8
-    converter = supply - 1
-    if not 0 <= converter < _CONVERTERS:
-        return loss, 0.0
     share = settings.predicted_share
     drawn = share * flow_then + (1 - share) * flow_now
-    return loss, -drawn * converters[converter] ** 3
+    return loss, -drawn * place**3
 
 
 @kernel
@@ -111,9 +133,19 @@ def force_limits(settings: ForceSettings) -> tuple[float, float]:
 
 
 @kernel
-def supply_pressures(low: float, high: float) -> FloatArray:
-    """Return the six supply pressures ``(6,)``, the middle ones calculated (§2.2)."""
-    supplies = np.empty(6)
-    for i in range(6):
-        supplies[i] = low + i / 5.0 * (high - low)
+def line_pressures(low: float, high: float, space: SearchSpace) -> FloatArray:
+    """Return the pressures of all lines ``(L,)`` [Pa], the middle ones calculated (§2.2).
+
+    ``low`` and ``high`` are the measured ones of the lowest and the highest line.
+    """
+    lines = space.lines
+    supplies = np.empty(lines.shape[1])
+    for i in range(len(supplies)):
+        base = low if lines[RESTS, i] > 0 else lines[BASE, i]
+        supplies[i] = base + lines[SHARE, i] * (high - base)
     return supplies
+
+
+def supply_pressures(low: float, high: float) -> FloatArray:
+    """Return the paper's six supply pressures ``(6,)`` [Pa], see ``line_pressures``."""
+    return line_pressures(low, high, search_space())

@@ -1,4 +1,4 @@
-"""All 28 states of one side carried through one sampling period by Eq. 5, side by side."""
+"""All S states of one side carried through one sampling period by Eq. 5, side by side."""
 
 from __future__ import annotations
 
@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 from mptune.arrays import FloatArray, kernel
 from mptune.force.estimator import SIDE_A, STEPS, displaced, stiffness_path
-from mptune.force.ports import COST, PRESSURE, STATES, Ports, finish_row
+from mptune.force.ports import COST, PRESSURE, Ports, finish_row
 
 if TYPE_CHECKING:
     from mptune.force.search_space import SearchSpace
@@ -46,7 +46,7 @@ def look_ahead(
     settings: ForceSettings,
     row: FloatArray,
 ) -> float:
-    """Fill the row ``(4, 28)`` of one side after T_S; return its least cost [N].
+    """Fill the row ``(4, S)`` of one side after T_S; return its least cost [N].
 
     Parameters
     ----------
@@ -64,6 +64,7 @@ def look_ahead(
     The flows at the end of a Heun step are those at the beginning of the next: losses along the
     path and Q_conv need no flow that Eq. 5 does not.
     """
+    states = row.shape[1]
     tr, scale = settings.transition_pressure, settings.flow_coefficient
     steep, bend = 1.5 / math.sqrt(tr), 0.5 / (tr * math.sqrt(tr))
     period = settings.sampling_period
@@ -72,14 +73,14 @@ def look_ahead(
     step = period / STEPS
     high_1, high_2, n_1, n_2, cube_1, cube_2 = ports.shared
     start_1, start_2, root_1, root_2, lost, after = ports.scratch
-    for i in range(STATES):
+    for i in range(states):
         after[i], lost[i] = pressure, 0.0
         start_1[i] = smooth_root(high_1[i] - pressure, tr, steep, bend)
         start_2[i] = smooth_root(high_2[i] - pressure, tr, steep, bend)
         root_1[i], root_2[i] = start_1[i], start_2[i]
     for k in range(STEPS):
         stiff, stiffer = path[k], path[k + 1]
-        for i in range(STATES):
+        for i in range(states):
             p = after[i]
             flow_1, flow_2 = n_1[i] * root_1[i], n_2[i] * root_2[i]
             slope_1 = stiff * (scale * (flow_1 + flow_2) - taken)
@@ -97,7 +98,7 @@ def look_ahead(
     pressures, costs = row[PRESSURE], row[COST]
     along = settings.path_loss > 0
     share = settings.predicted_share
-    for i in range(STATES):
+    for i in range(states):
         scale_1, scale_2 = scale * n_1[i], scale * n_2[i]
         now_1, now_2 = scale_1 * start_1[i], scale_2 * start_2[i]
         then_1, then_2 = scale_1 * root_1[i], scale_2 * root_2[i]

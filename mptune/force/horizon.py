@@ -25,7 +25,7 @@ import numpy as np
 from mptune.arrays import FloatArray, IntArray, kernel
 from mptune.force.dynamic import look_ahead
 from mptune.force.estimator import SIDE_A, SIDE_B
-from mptune.force.ports import BARRED, COMMON, COST, FORCE, PRESSURE, ROW, STATES, ports_of
+from mptune.force.ports import BARRED, COMMON, COST, FORCE, PRESSURE, ROW, ports_of
 from mptune.force.steady import settle
 
 if TYPE_CHECKING:
@@ -55,15 +55,16 @@ def cheapest_pairs(
     costs: FloatArray,
     pairs: IntArray,
 ) -> int:
-    """Fill the costs ``(n,)`` and numbers 28 a + b of the cheapest pairs, cheapest first.
+    """Fill the costs ``(n,)`` and numbers S a + b of the cheapest pairs, cheapest first.
 
     Of several equal ones the first comes first. Returned is how many there are.
     """
     found, worst = 0, BARRED  # of a full list, its dearest
-    for a in range(STATES):
+    states = row_a.shape[1]
+    for a in range(states):
         if row_a[COST, a] + least_b >= worst:
             continue
-        for b in range(STATES):
+        for b in range(states):
             error = wanted - (row_a[FORCE, a] - row_b[FORCE, b])
             total = counted(error, width) + abs(row_a[COMMON, a] + row_b[COMMON, b])
             total = total + row_a[COST, a] + row_b[COST, b]  # Eq. 7
@@ -73,7 +74,7 @@ def cheapest_pairs(
             while place > 0 and total < costs[place - 1]:
                 costs[place], pairs[place] = costs[place - 1], pairs[place - 1]
                 place -= 1
-            costs[place], pairs[place] = total, STATES * a + b
+            costs[place], pairs[place] = total, states * a + b
             found = min(found + 1, len(costs))
             if found == len(costs):
                 worst = costs[found - 1]
@@ -93,25 +94,26 @@ def least_pair(
 ) -> float:
     """Return the least cost of all pairs; pairs that with ``before`` reach ``best`` may be skipped.
 
-    Where all are skipped it is ``BARRED``. ``scratch`` is ``(28,)``: the least of each of B's
+    Where all are skipped it is ``BARRED``. ``scratch`` is ``(S,)``: the least of each of B's
     states, so that all of them are looked at in a few instructions.
     """
     force_b, cost_b, common_b = row_b[FORCE], row_b[COST], row_b[COMMON]
+    states = len(cost_b)
     slope, half = (0.5 / width if width > 0 else 0.0), 0.5 * width
-    for b in range(STATES):
+    for b in range(states):
         scratch[b] = BARRED
-    for a in range(STATES):
+    for a in range(states):
         force, cost, common = row_a[FORCE, a], row_a[COST, a], row_a[COMMON, a]
         if before + (cost + least_b) >= best:
             continue
-        for b in range(STATES):
+        for b in range(states):
             size = abs(wanted - (force - force_b[b]))
             square, line = size * size * slope, size - half
             total = (square if size < width else line) + abs(common + common_b[b])
             total = total + cost + cost_b[b]  # Eq. 7
             scratch[b] = total if total < scratch[b] else scratch[b]
     least = BARRED
-    for b in range(STATES):
+    for b in range(states):
         least = min(least, scratch[b])
     return least
 
@@ -149,11 +151,11 @@ def best_ahead(
     settings: ForceSettings,
 ) -> tuple[int, int]:
     """Return the states of A and B; parameters as ``mptune.force.select.decide`` has them."""
-    ports = ports_of(supplies, converters, space)
+    ports, states = ports_of(supplies, converters, space), len(space.first)
     steps = int(settings.candidates)
     number = max(steps, 1)
     # Rows of both sides now, then one for each state that is met in the second period.
-    rows = np.empty((_SIDES * (1 + min(number, STATES)), ROW, STATES))
+    rows = np.empty((_SIDES * (1 + min(number, states)), ROW, states))
     least = np.empty(len(rows))
     for side in range(_SIDES):
         pressure = pressure_a if side == SIDE_A else pressure_b
@@ -165,21 +167,21 @@ def best_ahead(
     width = settings.error_width
     found = cheapest_pairs(wanted, width, rows[SIDE_A], rows[SIDE_B], least[SIDE_B], costs, pairs)
     if steps == 0:
-        return pairs[0] // STATES, pairs[0] % STATES
+        return pairs[0] // states, pairs[0] % states
     position += velocity * settings.sampling_period
-    where = np.zeros((_SIDES, STATES), np.int64)  # 0 where not met: row 0 is none of these
+    where = np.zeros((_SIDES, states), np.int64)  # 0 where not met: row 0 is none of these
     met, best, chosen = _SIDES, BARRED, pairs[0]
     for k in range(found):
         for side in range(_SIDES):
-            state = pairs[k] // STATES if side == SIDE_A else pairs[k] % STATES
+            state = pairs[k] // states if side == SIDE_A else pairs[k] % states
             if where[side, state] == 0:
                 pressure = rows[side, PRESSURE, state]
                 least[met] = _row(
                     side, pressure, position, velocity, state, ports, space, settings, rows[met]
                 )
                 where[side, state], met = met, met + 1
-        then_a = where[SIDE_A, pairs[k] // STATES]
-        then_b = where[SIDE_B, pairs[k] % STATES]
+        then_a = where[SIDE_A, pairs[k] // states]
+        then_b = where[SIDE_B, pairs[k] % states]
         if costs[k] + (least[then_a] + least[then_b]) >= best:
             continue
         later = least_pair(
@@ -188,4 +190,4 @@ def best_ahead(
         )  # fmt: skip
         if costs[k] + later < best:
             best, chosen = costs[k] + later, pairs[k]
-    return chosen // STATES, chosen % STATES
+    return chosen // states, chosen % states

@@ -1,6 +1,6 @@
 """What every look ahead of one decision shares, state by state, and the row that it fills.
 
-The 28 states stand side by side in flat arrays, so that one loop serves them all at once; a state
+The S states stand side by side in flat arrays, so that one loop serves them all at once; a state
 without crossflow has a second port with no valves.
 """
 
@@ -11,15 +11,13 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import FloatArray, kernel
+from mptune.force.cost import beyond_limits, converter_places
 
 if TYPE_CHECKING:
     from mptune.force.search_space import SearchSpace
     from mptune.params.packed import ForceSettings
 
-STATES = 28  # valve states of one side, Eq. 6
-OUT_OF_RANGE = 1e6  # N, penalty of a pressure outside its limits
 BARRED = 1e30  # N, cost of a state that is not to be taken
-_CONVERTERS = 4
 # A row of states holds: force of the side [N]; what it costs beside the force error [N]; its half
 # of the common-mode term, signed [N]; and the pressure that it leads to [Pa].
 FORCE, COST, COMMON, PRESSURE = range(4)
@@ -28,7 +26,7 @@ _Six = tuple[FloatArray, FloatArray, FloatArray, FloatArray, FloatArray, FloatAr
 
 
 class Ports(NamedTuple):
-    """State by state, each ``(28,)``."""
+    """State by state, each ``(S,)``."""
 
     shared: _Six  # supplies of both ports [Pa], their open valves, cubed converter positions [m³]
     scratch: _Six
@@ -42,15 +40,16 @@ def ports_of(supplies: FloatArray, converters: FloatArray, space: SearchSpace) -
     Parameters
     ----------
     supplies
-        ``(6,)`` supply pressures [Pa].
+        ``(L,)`` pressures of the lines [Pa].
     converters
-        ``(4,)`` converter positions, positive on filling [m].
+        ``(K,)`` converter positions, positive on filling [m].
     """
-    work = np.zeros((13, STATES))
-    cubes = work[12]
-    for i in range(_CONVERTERS):
-        cubes[i + 1] = converters[i] * (converters[i] * converters[i])
-    for state in range(STATES):
+    states = len(space.first)
+    work = np.zeros((12, states))
+    cubes = converter_places(converters, space.lines)
+    for line in range(len(cubes)):
+        cubes[line] = cubes[line] * (cubes[line] * cubes[line])
+    for state in range(states):
         i, j = space.first[state], space.second[state]
         work[0, state], work[1, state] = supplies[i], supplies[j]
         work[2, state], work[3, state] = space.first_count[state], space.second_count[state]
@@ -80,17 +79,17 @@ def finish_row(
     middle
         Mid-supply pressure [Pa].
     row
-        ``(4, 28)``; pressures and costs of the flows in, everything out.
+        ``(4, S)``; pressures and costs of the flows in, everything out.
     """
     force, cost, common, pressure = row[FORCE], row[COST], row[COMMON], row[PRESSURE]
     switches = space.switches[present]
     least = BARRED
     half = 0.5 * settings.weight_common_mode
-    for state in range(STATES):
+    for state in range(len(force)):
         after = pressure[state]
         total = settings.weight_switching * switches[state] + cost[state]
         if after < settings.pressure_min or after > settings.pressure_max:
-            total += OUT_OF_RANGE
+            total += beyond_limits(after, settings)
         force[state] = area * after
         cost[state] = total
         common[state] = half * (after - middle)

@@ -1,4 +1,4 @@
-"""All 28 states of one side judged by the pressure at which the chamber settles (ref. 16).
+"""All S states of one side judged by the pressure at which the chamber settles (ref. 16).
 
 At a steady velocity v the flow through the open valves is what the piston takes,
 
@@ -17,7 +17,7 @@ from typing import TYPE_CHECKING
 from mptune.arrays import FloatArray, kernel
 from mptune.force.dynamic import smooth_root
 from mptune.force.estimator import SIDE_A, displaced, stiffness
-from mptune.force.ports import BARRED, COST, PRESSURE, STATES, Ports, finish_row
+from mptune.force.ports import BARRED, COST, PRESSURE, Ports, finish_row
 
 if TYPE_CHECKING:
     from mptune.force.search_space import SearchSpace
@@ -38,7 +38,7 @@ def settle(
     settings: ForceSettings,
     row: FloatArray,
 ) -> float:
-    """Fill the row ``(4, 28)`` of one side once settled; return its least cost [N].
+    """Fill the row ``(4, S)`` of one side once settled; return its least cost [N].
 
     Parameters
     ----------
@@ -56,12 +56,13 @@ def settle(
     A closed chamber settles at no pressure while the piston moves: the closed state is barred
     then, and keeps its pressure at rest.
     """
+    states = row.shape[1]
     tr, scale = settings.transition_pressure, settings.flow_coefficient
     steep, bend = 1.5 / math.sqrt(tr), 0.5 / (tr * math.sqrt(tr))
     taken = displaced(side, velocity, settings)
     high_1, high_2, n_1, n_2, cube_1, cube_2 = ports.shared
     low, high, after = ports.scratch[0], ports.scratch[1], ports.scratch[2]
-    for i in range(STATES):
+    for i in range(states):
         valves = max(n_1[i] + n_2[i], 1.0)
         root = taken / (scale * valves)
         reach = max(root * root, tr)  # at this drop the valves pass at least what is taken
@@ -69,7 +70,7 @@ def settle(
         low[i] = min(high_1[i], other) - reach
         high[i] = max(high_1[i], other) + reach
     for _ in range(_HALVINGS):
-        for i in range(STATES):
+        for i in range(states):
             p = 0.5 * (low[i] + high[i])
             flow = n_1[i] * smooth_root(high_1[i] - p, tr, steep, bend)
             flow += n_2[i] * smooth_root(high_2[i] - p, tr, steep, bend)
@@ -77,7 +78,7 @@ def settle(
             low[i], high[i] = p if more else low[i], high[i] if more else p
     stiff = stiffness(side, position, settings)
     period = settings.sampling_period
-    for i in range(STATES):
+    for i in range(states):
         closed = n_1[i] == 0
         p = pressure if closed else 0.5 * (low[i] + high[i])
         flow_1 = scale * n_1[i] * smooth_root(high_1[i] - p, tr, steep, bend)

@@ -85,11 +85,11 @@ def run_force_loop(
     chambers, loop
         The operating point, and delay and filters.
     supplies
-        ``(6,)`` supply pressures [Pa].
+        ``(L,)`` pressures of the lines [Pa].
     space, settings
         Search space and the controller's knowledge.
     """
-    converters = np.zeros(4)
+    converters = np.zeros(space.lines.shape[1])  # all at their centres
     seen = np.array([pressure_a, pressure_b])
     raw = np.array([[pressure_a, pressure_b], [pressure_a, pressure_b]])
     chosen_a, chosen_b, state_a, state_b = 0, 0, 0, 0

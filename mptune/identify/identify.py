@@ -10,8 +10,8 @@ import numpy as np
 
 from mptune.arrays import frozen
 from mptune.errors import Fault, InputError
-from mptune.force.cost import supply_pressures
-from mptune.force.search_space import search_space
+from mptune.force.cost import line_pressures
+from mptune.force.search_space import space_of
 from mptune.identify.excitation import Excitation, runs_of
 from mptune.identify.experiment import Loop, chambers_at, run_force_loop
 from mptune.identify.result import FitStatus, IdentifyResult, Panel
@@ -150,13 +150,11 @@ def run_points(
     """Simulate one run at each start pressure of one velocity, and take the responses."""
     machine = pack_machine(study, 1.0, setting.oil_bulk_modulus, 0.0)  # the piston is held
     signals, settings = pack_signals(study.study.controller), pack_force(study)
-    supplies = supply_pressures(
-        study.study.supplies.low_pressure, study.study.supplies.high_pressure
-    )
+    space, lines = space_of(study), study.study.supplies
+    supplies = line_pressures(lines.low_pressure, lines.high_pressure, space)
     chambers = chambers_at(machine, setting.position, velocity)
     delay = setting.valve_delay
     loop = Loop(signals.sample_time, signals.ticks, delay, signals.pressure_pole, delay > 0)
-    space = search_space()
     starts = [p for p, usable in zip(*_start_pressures(study), strict=True) if usable]
     forces = np.empty((len(starts), len(run.reference) - run.start_up))
     outside = np.empty(len(starts))

@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING
 from mptune.errors import Fault
 from mptune.params.demand import force_demand, slowest_valves, supply_demand
 from mptune.params.doubts import Doubt
+from mptune.params.valve_states import valve_states
 from mptune.units import shown
 
 if TYPE_CHECKING:
@@ -34,7 +35,7 @@ def refusals_of(study: Study, written: frozenset[str]) -> list[Fault]:
         The keys of ``[verification]`` that a file or the command line has written; the others
         stand for those that they are taken from.
     """
-    return [*_slow_valves(study, written), *_heavy_loads(study, written)]
+    return [*_slow_valves(study, written), *_heavy_loads(study, written), *_combinations(study)]
 
 
 def doubts_of(resolved: ResolvedStudy) -> tuple[Doubt, ...]:
@@ -86,6 +87,19 @@ def _heavy_loads(study: Study, written: frozenset[str]) -> Iterator[Fault]:
             f"{shown(largest, 'N')} that controller.pressure_min = {shown(low, 'Pa')} and "
             f"controller.pressure_max = {shown(high, 'Pa')} give",
             "take a larger piston, higher pressures or less load",
+        )
+
+
+def _combinations(study: Study) -> Iterator[Fault]:
+    """Refuse more combinations of both sides' states than a decision is to look at."""
+    states, most = len(valve_states(study.edge_rule)), study.controller.max_combinations
+    if states**2 > most:
+        yield Fault(
+            "edges",
+            f"{study.edge_rule.valves} valves of a side",
+            f"make {states} states of each side and {states**2} combinations, more than "
+            f"controller.max_combinations = {most}",
+            "take fewer valves or kinds of states, or raise it",
         )
 
 

@@ -116,6 +116,18 @@ class Controller(Section):
         at_most=1e12,
     )
 
+    weight_pressure: float = quantity(
+        "N/Pa",
+        "W_p",
+        "weight of a pressure beyond its limits; 0 for the paper's fixed penalty",
+        0.0,
+        at_least=0,
+        at_most=1e12,
+    )
+    max_combinations: int = quantity(
+        "1", "n_max", "most combinations of both sides' states", 20_000, at_least=1, at_most=10**9
+    )
+
     @model_validator(mode="after")
     def _compression_is_weighed(self) -> Self:
         if self.weight_compression > 0 and self.force_model == "dynamic":

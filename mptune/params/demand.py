@@ -14,10 +14,6 @@ if TYPE_CHECKING:
     from mptune.params.manoeuvre import Manoeuvre
     from mptune.params.study import Study
 
-_PARALLEL = 2  # valves of one pressure and side (Eq. 6)
-_CONVERTERS = 4
-_STEPS = 5  # from one supply pressure to the next, of six
-
 
 def slowest_valves(study: Study) -> Iterator[Doubt]:
     """Doubt valves that, somewhere in their range, are as slow as the sampling period."""
@@ -65,7 +61,7 @@ def supply_demand(study: Study) -> Iterator[Doubt]:
                     f"up to {shown(move.peak_velocity, 'm/s')}",
                     f"{study.valves.flow_coefficient:g} m³/(s Pa^0.5)",
                 ),
-                f"two open valves and the supply pressures let the piston move at "
+                "all valves of one line and the supply pressures let the piston move at "
                 f"{shown(fastest, 'm/s')} at most",
                 "slow the move down or take larger valves",
             )
@@ -94,8 +90,9 @@ def _supplied(study: Study) -> tuple[float, float]:
 def _fastest(study: Study, move: Manoeuvre) -> float:
     """Return the steady velocity [m/s] at which the valves take up what force there is to spare.
 
-    From A_A p_A − A_B p_B = F with p_A = p_HP − (A_A v/(2 K_v))² and p_B = p_LP + (A_B v/(2 K_v))²,
-    or the other way round. Friction is left out: errs on the generous side.
+    From A_A p_A − A_B p_B = F with p_A = p_HP − (A_A v/K)² and p_B = p_LP + (A_B v/K)², or the
+    other way round; K is that of all valves in parallel. Friction is left out: errs on the
+    generous side.
     """
     least, largest = _supplied(study)
     cylinder = study.cylinder
@@ -105,7 +102,8 @@ def _fastest(study: Study, move: Manoeuvre) -> float:
         spare.append(largest - max(loads))
     if move.retracts:
         spare.append(min(loads) - least)
-    flow = _PARALLEL * study.valves.flow_coefficient
+    sizes = study.edge_rule.sizes
+    flow = min(sum(sizes[0]), sum(sizes[-1])) * study.valves.flow_coefficient
     cubes = cylinder.area_a**3 + cylinder.area_b**3
     return flow * math.sqrt(max(min(spare, default=math.inf), 0.0) / cubes)
 
@@ -120,21 +118,23 @@ def _mean_flow(study: Study) -> float:
     span = supplies.high_pressure - supplies.low_pressure
     time = sum(move.duration + move.rest for move in study.manoeuvre)
     speed = sum(move.travel for move in study.manoeuvre) / time
-    throttling = (cylinder.area_a + cylinder.area_b) * span / _STEPS / 2
+    throttling = (cylinder.area_a + cylinder.area_b) * span / (len(study.edge_rule.sizes) - 1) / 2
     return speed * (load.friction_coulomb + load.friction_viscous * speed + throttling) / span
 
 
 def _converters(study: Study) -> Iterator[Doubt]:
     """Doubt moves that fill all converters, even if they share the oil evenly."""
+    if study.converters == 0:
+        return
     low, high = study.reach()
     swept = study.cylinder.area_a * (high - low)
     supplies = study.supplies
-    room = _CONVERTERS * supplies.converter_area * supplies.converter_travel
+    room = study.converters * supplies.converter_area * supplies.converter_travel
     if swept > room:
         yield Doubt(
             ("manoeuvre", "supplies.converter_travel"),
             (shown(high - low, "m"), shown(supplies.converter_travel, "m")),
-            f"the A-side sweeps {shown(swept, 'm^3')}, four converters take {shown(room, 'm^3')} "
-            "from their centres to their ends",
+            f"the A-side sweeps {shown(swept, 'm^3')}, {study.converters} converters take "
+            f"{shown(room, 'm^3')} from their centres to their ends",
             "shorten the moves, or take larger converters or a longer travel",
         )

@@ -19,6 +19,7 @@ from mptune.params.coherence import doubts_of, refusals_of
 from mptune.params.extent import faults_of_extent
 from mptune.params.format import FORMAT_KEY, STUDY_FORMAT
 from mptune.params.layers import Layers
+from mptune.params.lines import missing_supplies, supplies_of
 from mptune.params.measured import read_measured
 from mptune.params.recorded import read_load_table, read_references
 from mptune.params.study import ResolvedStudy, Study
@@ -34,6 +35,7 @@ _BASE = "base"
 _OF_A_FILE = (FORMAT_KEY, _BASE)
 _REMEDY = "check the path, or start a study with `mptune new NAME`"
 
+_ADD_IT = "add it to the study"
 _DEEPEST = 16  # tables and lists within one another; studies have 5
 _MOST_FAULTS = 8  # of a file, in words; the rest is counted
 _TOO_LARGE = "is a whole number beyond 64 bits", "write a smaller one, or one with a point"
@@ -75,6 +77,9 @@ def load_study(
         study = Study.model_validate(layers.values)
     except ValidationError as error:
         raise layers.refusal(*faults_of(error, Study)) from error
+    study = study.model_copy(update={"supplies": supplies_of(study.lines, study.supplies)})
+    if absent := missing_supplies(study.supplies):
+        raise layers.refusal(*(Fault(key, "", "is missing", _ADD_IT) for key in absent))
     if uncertainty and uncertainty not in study.uncertainty.sets:
         known = ", ".join(sorted(study.uncertainty.sets)) or "none"
         fault = Fault("uncertainty.sets", uncertainty, "is not among the sets", f"known: {known}")
@@ -193,9 +198,7 @@ def _check_measure(where: object, values: dict[str, Any]) -> None:
     raise InputError(where, Fault(levels[0][0], "", "is nested too deeply", "mend its brackets"))
 
 
-def faults_of(
-    error: ValidationError, model: type[BaseModel], remedy: str = "add it to the study"
-) -> list[Fault]:
+def faults_of(error: ValidationError, model: type[BaseModel], remedy: str = _ADD_IT) -> list[Fault]:
     """Return each error of a validation as a fault in the user's words.
 
     The ``remedy`` says what to do about a key that is missing.

@@ -1,4 +1,4 @@
-"""The machine: cylinder, oil, hoses, valves, supplies and load (Table 1, Fig. 4)."""
+"""The machine: cylinder, oil, hoses, valves and load (Table 1, Fig. 4)."""
 
 from __future__ import annotations
 
@@ -122,61 +122,6 @@ class Valves(Section):
     def _ramp_is_part_of_the_delay(self) -> Self:
         if self.ramp > self.delay[0]:
             refuse("has a ramp longer than its smallest delay, of which it is a part", "shorten it")
-        return self
-
-
-class Supplies(Section):
-    """The six supply pressures, made from one accumulator by four converter cylinders."""
-
-    low_pressure: float = quantity(
-        "Pa", "p_LP", "pressure of the tank-side line", at_least=0, at_most=1e9
-    )
-    high_pressure: float = quantity(
-        "Pa", "p_HP", "nominal highest pressure", at_least=1e3, at_most=1e9
-    )
-    pump_on: float = quantity(
-        "Pa", "p_on", "pressure at which the pump starts", at_least=1e3, at_most=1e9
-    )
-    pump_off: float = quantity(
-        "Pa", "p_off", "pressure at which the pump stops", at_least=1e3, at_most=1e9
-    )
-    pump_flow: float = quantity("m^3/s", "Q_pump", "flow of the pump", at_least=1e-9, at_most=10)
-    relief_pressure: float = quantity(
-        "Pa", "p_rel", "opening pressure of the relief", at_least=1e3, at_most=1e9
-    )
-    accumulator_volume: float = quantity(
-        "m^3", "V_acc", "accumulator volume", at_least=1e-6, at_most=1e3
-    )
-    accumulator_precharge: float = quantity(
-        "Pa", "p_pre", "gas precharge", at_least=1e3, at_most=1e9
-    )
-    accumulator_exponent: float = quantity(
-        "1", "n", "polytropic exponent of the gas", at_least=1, at_most=3
-    )
-    converter_area: float = quantity(
-        "m^2", "A_conv", "converter piston area", at_least=1e-6, at_most=10
-    )
-    converter_travel: float = quantity(
-        "m",
-        "x_conv",
-        "converter piston travel from the centre to an end",
-        at_least=1e-4,
-        at_most=10,
-    )
-    converter_friction: float = quantity(
-        "Pa", "p_conv", "converter friction", at_least=0, at_most=1e8
-    )
-
-    @model_validator(mode="after")
-    def _pressures_are_ordered(self) -> Self:
-        if not self.low_pressure < self.high_pressure:
-            refuse("has a low_pressure not below its high_pressure", "check both pressures")
-        if not self.pump_on < self.pump_off:
-            refuse("has a pump_on pressure not below pump_off", "check both pressures")
-        if not self.accumulator_precharge < self.pump_on:
-            refuse("has an accumulator_precharge not below pump_on", "the gas would stay expanded")
-        if not self.pump_off <= self.relief_pressure:
-            refuse("has a relief_pressure below pump_off", "raise the relief_pressure")
         return self
 
 

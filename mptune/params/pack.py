@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 import math
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mptune.params.estimator import place_estimator
+from mptune.params.line_table import line_table
 from mptune.params.packed import (
     NO_ESTIMATOR,
     NO_PATH,
@@ -167,6 +169,7 @@ def pack_machine(
         accumulator_volume=supplies.accumulator_volume,
         accumulator_precharge=supplies.accumulator_precharge,
         accumulator_exponent=supplies.accumulator_exponent,
+        **_following_pump(study),
         converter_area=supplies.converter_area,
         converter_travel=supplies.converter_travel,
         converter_friction=supplies.converter_friction,
@@ -174,7 +177,24 @@ def pack_machine(
         line_inertance_b=inertance * hose.length_b,
         line_resistance=resistance * hose.length_a,
         line_resistance_b=resistance * hose.length_b,
+        converters=study.study.converters,
     )
+
+
+def _following_pump(study: ResolvedStudy) -> dict[str, float]:
+    """Return margin, standby pressure and lag of a pump that follows the load; 0 for none."""
+    last = study.study.lines[-1] if study.study.lines else None
+    values = (last.margin, last.standby, last.lag) if last else ()
+    names = ("pump_margin", "pump_standby", "pump_lag")
+    return {name: value or 0.0 for name, value in zip_longest(names, values)}
+
+
+def pack_lines(study: ResolvedStudy) -> FloatArray:
+    """Return the table of lines ``(LINE_ROWS, L)``, see ``mptune.params.packed``.
+
+    It is kept apart from ``Machine``, as is the boom's table below.
+    """
+    return line_table(study.study.lines, study.study.supplies.low_pressure)
 
 
 def pack_table(study: ResolvedStudy) -> FloatArray:
@@ -216,6 +236,7 @@ def pack_force(study: ResolvedStudy) -> ForceSettings:
         steady_state=float(controller.force_model == "steady-state"),
         weight_compression=controller.weight_compression,
         rest_velocity=controller.velocity_tolerance,
+        weight_pressure=controller.weight_pressure,
     )
 
 

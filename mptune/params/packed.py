@@ -11,6 +11,20 @@ from mptune.summary import tuple_text
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, FloatArray, IntArray
 
+# Rows of a table of lines ``(LINE_ROWS, L)``, lowest pressure first. A line stands at
+# base + share (p_high − base), where p_high is the pressure of the highest line.
+BASE = 0  # Pa
+RESTS = 1  # 1 where the base is the lowest line's pressure as measured, else 0
+SHARE = 2  # -, α
+FROM_LOWEST = 3  # -, how much of the oil that is drawn comes from the lowest line
+FROM_STEADY = 4  # Pa, energy of the oil that comes from constant lines between, per m³ drawn
+MADE_BY = 5  # number of the converter cylinder that makes the line; −1 for none
+LINE_ROWS = 6
+# Further rows of the table as a machine stands, ``(OPEN_ROWS, L)``: the lines that have an open
+# valve side by side, with the open valves to each chamber [K_v]; 0 behind the last of them.
+OPEN_A, OPEN_B = LINE_ROWS, LINE_ROWS + 1
+OPEN_ROWS = LINE_ROWS + 2
+
 
 class Plant(NamedTuple):
     """One plant of Eq. 15, in SI."""
@@ -106,9 +120,12 @@ class Machine(NamedTuple):
     pump_off: float
     pump_flow: float
     relief_pressure: float
-    accumulator_volume: float
+    accumulator_volume: float  # 0 where the highest line has none: it is then constant
     accumulator_precharge: float
     accumulator_exponent: float
+    pump_margin: float  # Pa, of a pump that follows the load
+    pump_standby: float  # Pa, its least pressure; relief_pressure is its largest
+    pump_lag: float  # s; 0 without such a pump
     converter_area: float
     converter_travel: float
     converter_friction: float
@@ -116,6 +133,7 @@ class Machine(NamedTuple):
     line_inertance_b: float
     line_resistance: float  # Pa s/m³
     line_resistance_b: float
+    converters: int  # K, converter cylinders
 
 
 class ForceSettings(NamedTuple):
@@ -147,6 +165,7 @@ class ForceSettings(NamedTuple):
     steady_state: float  # 1 judges by settled pressures, 0 by those after T_S
     weight_compression: float
     rest_velocity: float  # m/s, below which a closed chamber counts as settled
+    weight_pressure: float  # N/Pa, of pressures beyond their limits; 0 for a fixed penalty
 
 
 class StateEstimator(NamedTuple):

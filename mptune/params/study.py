@@ -14,18 +14,25 @@ from mptune.params.controller import Controller, Feedforward, Gains
 from mptune.params.doubts import Doubt
 from mptune.params.estimator import Estimator
 from mptune.params.identification import Identification
-from mptune.params.machine import Cylinder, Hose, Load, Oil, SensorTruth, Supplies, Valves
+from mptune.params.lines import Edges, SupplyLine, check_lines, converters_of, edge_rule
+from mptune.params.machine import Cylinder, Hose, Load, Oil, SensorTruth, Valves
 from mptune.params.manoeuvre import Manoeuvre, Verification
 from mptune.params.requirements import Objective, Requirements
 from mptune.params.section import Range, Section, refuse
+from mptune.params.supplies import Supplies
 from mptune.params.systems import Systems
 from mptune.params.uncertainty import Model, Uncertainty, UncertaintySet
 from mptune.summary import Summarised
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
+
+    from mptune.params.valve_states import EdgeRule
 CHOSEN = ("gains", "feedforward", "estimator")
 """Sections that a tuner may choose: they stand in gains files and outside the model's hash."""
+
+# What the paper's machine has none of: left out of the hash where it says nothing else.
+_PLAIN = {"lines": (), "edges": Edges().model_dump(), "controller.weight_pressure": 0.0}
 
 SOURCE_KINDS = ("published", "derived", "assumed", "calibrated", "measured")
 _LIKE_THIS = 'write sources like "cylinder.bore" = "derived: how"'
@@ -61,7 +68,9 @@ class Study(Summarised, Section):
     oil: Oil
     hose: Hose
     valves: Valves
-    supplies: Supplies
+    supplies: Supplies = Supplies()
+    lines: tuple[SupplyLine, ...] = ()
+    edges: Edges = Edges()
     load: Load
     sensors: SensorTruth = SensorTruth()
     controller: Controller
@@ -93,6 +102,11 @@ class Study(Summarised, Section):
                         "shorten the move or change verification.start",
                     )
             position += move.net_distance
+        return self
+
+    @model_validator(mode="after")
+    def _lines_make_a_machine(self) -> Self:
+        check_lines(self.lines)
         return self
 
     @model_validator(mode="after")
@@ -156,6 +170,16 @@ class Study(Summarised, Section):
         ]  # fmt: skip
 
     @property
+    def edge_rule(self) -> EdgeRule:
+        """The valves of every line, and the kinds of states that they are put to."""
+        return edge_rule(self.lines, self.edges)
+
+    @property
+    def converters(self) -> int:
+        """K, converter cylinders; the paper's four where no lines are given."""
+        return converters_of(self.lines)
+
+    @property
     def summed_delay(self) -> Range:
         """The total delay as a sum: T_S/2, valve and computation [s] (§5.1)."""
         half, valves = self.controller.sampling_period / 2, self.valves
@@ -208,6 +232,12 @@ class ResolvedStudy(Summarised, Section):
         tried_on = {"verification", "identification", "campaign", "systems"}
         left_out = {*CHOSEN, "title", "sources", "uncertainty", *tried_on}
         values = self.study.model_dump(exclude=left_out)
+        del values["controller"]["max_combinations"]  # a limit of work, no part of the model
+        for name, plain in _PLAIN.items():  # so that older hashes hold
+            section, _, key = name.rpartition(".")
+            place = values[section] if section else values
+            if place[key] == plain:
+                del place[key]
         if self.study.estimator.kind != "filters":  # which is no tuner's choice
             values["estimator"] = {"kind": self.study.estimator.kind}
         unnamed = {"measured": {"__all__": {"name"}}}  # a file's content counts, not its name

@@ -1,7 +1,8 @@
 """The whole machine as a differential equation: Eq. 1 to Eq. 4 with its supplies.
 
-State, SI: piston position and velocity, chamber pressures A and B, four converter positions, oil in
-the accumulator; then the energies that the state has cost so far.
+State, SI: piston position and velocity, chamber pressures A and B, oil in the accumulator,
+converter positions; then the energies that the state has cost so far. Of all sizes only the two
+chambers are compiled in: there are as many lines and converters as the table of lines has.
 """
 
 from __future__ import annotations
@@ -9,24 +10,39 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.arrays import FloatArray, inlined_kernel, kernel
+from mptune.params.packed import (
+    BASE,
+    FROM_LOWEST,
+    FROM_STEADY,
+    MADE_BY,
+    OPEN_A,
+    OPEN_B,
+    SHARE,
+)
 from mptune.plant.bulk import effective_bulk_modulus
 from mptune.plant.flow import orifice
 from mptune.plant.piston import Burden, friction
-from mptune.plant.supplies import CONVERTERS, SUPPLIES, accumulator_pressure, port_pressure, share
+from mptune.plant.supplies import accumulator_pressure, line_pressure, port_pressure
 
 if TYPE_CHECKING:
     from mptune.params.packed import Machine
 
-X, V, PRESSURE_A, PRESSURE_B, CONVERTER, OIL = 0, 1, 2, 3, 4, 8
-STATES = 9
-# With hoses as lines: pressures at the valves' end, and flows towards the chambers.
-VALVE_END_A, VALVE_END_B, LINE_A, LINE_B = 9, 10, 11, 12
-LINE_STATES = 13
+X, V, PRESSURE_A, PRESSURE_B, OIL, CONVERTER = range(6)  # of the first converter
+# With hoses as lines, behind the converters: pressures at the valves' end, and flows towards the
+# chambers.
+VALVE_END_A, VALVE_END_B, LINE_A, LINE_B = range(4)
+LINE_STATES = 4
 # Energies [J], all since the start; see ``powers``.
 PUMP, ACCUMULATOR, TANK, PISTON, THROTTLING, CONVERTER_FRICTION, COMPRESSION, RELIEF = range(8)
 ENERGIES = 8
 
 _RELIEF_GRADIENT = 1e-9  # m³/(s Pa) above the relief pressure
+
+
+@inlined_kernel
+def states_of(machine: Machine) -> int:
+    """Return the number of states S, those of hoses as lines not counted."""
+    return CONVERTER + machine.converters
 
 
 @kernel
@@ -38,22 +54,21 @@ def _pressure_rate(pressure: float, rate: float) -> float:
 @inlined_kernel
 def rates(
     state: FloatArray,
-    open_a: FloatArray,
-    open_b: FloatArray,
+    lines: FloatArray,
     pumping: float,
     machine: Machine,
     burden: Burden,
     slope: FloatArray,
     power: FloatArray,
 ) -> None:
-    """Fill ``slope`` ``(9,)`` with the state's time derivative and ``power`` ``(8,)`` with powers.
+    """Fill ``slope`` ``(S,)`` with the state's time derivative and ``power`` ``(8,)`` with powers.
 
     Parameters
     ----------
     state
-        ``(9,)``.
-    open_a, open_b
-        ``(6,)`` open valves between each supply and the chamber, 0 to 2.
+        ``(S,)``.
+    lines
+        ``(OPEN_ROWS, L)`` the lines that have an open valve, see ``mptune.params.packed``.
     pumping
         1 while the pump runs, else 0.
     machine
@@ -63,7 +78,7 @@ def rates(
     """
     pressure_a, pressure_b = state[PRESSURE_A], state[PRESSURE_B]
     flow_a, flow_b = _supply_flows(
-        state, pressure_a, pressure_b, open_a, open_b, pumping, machine, slope, power
+        state, pressure_a, pressure_b, lines, pumping, machine, slope, power
     )
     _chamber_rates(
         state, flow_a, flow_b, machine.hose_a, machine.hose_b, 0.0, machine, burden, slope, power
@@ -73,30 +88,28 @@ def rates(
 @kernel
 def rates_with_lines(
     state: FloatArray,
-    open_a: FloatArray,
-    open_b: FloatArray,
+    lines: FloatArray,
     pumping: float,
     machine: Machine,
     burden: Burden,
     slope: FloatArray,
     power: FloatArray,
 ) -> None:
-    """Do what ``rates`` does for the ``(13,)`` states of a machine with hoses as lines.
+    """Do what ``rates`` does for the ``(S + 4,)`` states of a machine with hoses as lines.
 
     Each hose is a volume at the valves' end and one lump of oil with inertia and laminar friction.
     """
-    end_a, end_b = state[VALVE_END_A], state[VALVE_END_B]
-    line_a, line_b = state[LINE_A], state[LINE_B]
-    flow_a, flow_b = _supply_flows(
-        state, end_a, end_b, open_a, open_b, pumping, machine, slope, power
-    )
+    own = states_of(machine)
+    end_a, end_b = state[own + VALVE_END_A], state[own + VALVE_END_B]
+    line_a, line_b = state[own + LINE_A], state[own + LINE_B]
+    flow_a, flow_b = _supply_flows(state, end_a, end_b, lines, pumping, machine, slope, power)
     modulus = 1 / (1 / machine.oil + 1 / machine.hose)  # Eq. 4 of a volume that is all hose
     into_a, into_b = flow_a - line_a, flow_b - line_b
-    slope[VALVE_END_A] = _pressure_rate(end_a, modulus / machine.hose_a * into_a)
-    slope[VALVE_END_B] = _pressure_rate(end_b, modulus / machine.hose_b * into_b)
+    slope[own + VALVE_END_A] = _pressure_rate(end_a, modulus / machine.hose_a * into_a)
+    slope[own + VALVE_END_B] = _pressure_rate(end_b, modulus / machine.hose_b * into_b)
     drop_a, drop_b = end_a - state[PRESSURE_A], end_b - state[PRESSURE_B]
-    slope[LINE_A] = (drop_a - machine.line_resistance * line_a) / machine.line_inertance
-    slope[LINE_B] = (drop_b - machine.line_resistance_b * line_b) / machine.line_inertance_b
+    slope[own + LINE_A] = (drop_a - machine.line_resistance * line_a) / machine.line_inertance
+    slope[own + LINE_B] = (drop_b - machine.line_resistance_b * line_b) / machine.line_inertance_b
     stored = end_a * into_a + end_b * into_b + drop_a * line_a + drop_b * line_b
     _chamber_rates(state, line_a, line_b, 0.0, 0.0, stored, machine, burden, slope, power)
 
@@ -106,8 +119,7 @@ def _supply_flows(
     state: FloatArray,
     pressure_a: float,
     pressure_b: float,
-    open_a: FloatArray,
-    open_b: FloatArray,
+    lines: FloatArray,
     pumping: float,
     machine: Machine,
     slope: FloatArray,
@@ -118,47 +130,61 @@ def _supply_flows(
     The slopes of converters and accumulator are filled, and the powers of the supplies.
     """
     high = accumulator_pressure(state[OIL], machine)
-    low = machine.low_pressure
+    low, one_way = machine.low_pressure, machine.pump_lag > 0
     flow_a, flow_b, from_high, from_low, throttled, rubbed = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
-    for i in range(CONVERTERS):
+    given = 0.0  # W, of constant lines between the lowest and the highest
+    for i in range(machine.converters):
         slope[CONVERTER + i] = 0.0
-    for supply in range(SUPPLIES):
-        if open_a[supply] == 0 and open_b[supply] == 0:
-            continue
-        alpha = share(supply)
-        pressure = low + alpha * (high - low)
+    load = 0.0  # Pa, that a pump follows
+    for k in range(lines.shape[1]):
+        open_a, open_b = lines[OPEN_A, k], lines[OPEN_B, k]
+        if open_a == 0 and open_b == 0:
+            break  # behind the last line that has an open valve
+        pressure = line_pressure(lines[BASE, k], lines[SHARE, k], high)
         ideal = pressure
-        converter = supply - 1
-        if 0 <= converter < CONVERTERS:
+        converter = int(lines[MADE_BY, k])
+        if converter >= 0:
             place = state[CONVERTER + converter]
             blocked = 0
             if abs(place) >= machine.converter_travel:
                 blocked = 1 if place > 0 else -1
             pressure = port_pressure(
-                ideal, open_a[supply], open_b[supply], pressure_a, pressure_b, blocked, machine
+                ideal, open_a, open_b, pressure_a, pressure_b, blocked, machine
             )
         to_a, to_b = pressure - pressure_a, pressure - pressure_b
         scale, tr = machine.flow_coefficient, machine.transition_pressure
-        into_a = scale * open_a[supply] * orifice(to_a, tr)  # Eq. 2
-        into_b = scale * open_b[supply] * orifice(to_b, tr)
+        into_a = scale * open_a * orifice(to_a, tr)  # Eq. 2
+        into_b = scale * open_b * orifice(to_b, tr)
+        if one_way and lines[SHARE, k] == 1:
+            into_a, into_b = max(into_a, 0.0), max(into_b, 0.0)
+            load = max(pressure_a if open_a > 0 else 0.0, pressure_b if open_b > 0 else 0.0)
         drawn = into_a + into_b
         flow_a += into_a
         flow_b += into_b
         throttled += into_a * to_a + into_b * to_b
-        from_high += alpha * drawn
-        from_low += (1 - alpha) * drawn
-        if 0 <= converter < CONVERTERS:
+        from_high += lines[SHARE, k] * drawn
+        from_low += lines[FROM_LOWEST, k] * drawn
+        given += lines[FROM_STEADY, k] * drawn
+        if converter >= 0:
             slope[CONVERTER + converter] = -drawn / machine.converter_area
             rubbed += (ideal - pressure) * drawn
-    pumped = pumping * machine.pump_flow
-    relieved = max(high - machine.relief_pressure, 0.0) * _RELIEF_GRADIENT
-    slope[OIL] = pumped - from_high - relieved
-    power[PUMP] = high * pumped
-    power[ACCUMULATOR] = high * from_high
+    power[ACCUMULATOR] = high * from_high + given
     power[TANK] = low * from_low
     power[THROTTLING] = throttled
     power[CONVERTER_FRICTION] = rubbed
-    power[RELIEF] = high * relieved
+    if machine.accumulator_volume > 0:
+        pumped = pumping * machine.pump_flow
+        relieved = max(high - machine.relief_pressure, 0.0) * _RELIEF_GRADIENT
+        slope[OIL] = pumped - from_high - relieved
+        power[PUMP] = high * pumped
+        power[RELIEF] = high * relieved
+    else:  # a line of constant pressure, or a pump that follows the load: it gives what is drawn
+        slope[OIL] = 0.0
+        if one_way:
+            wanted = max(load + machine.pump_margin, machine.pump_standby)
+            slope[OIL] = (min(wanted, machine.relief_pressure) - high) / machine.pump_lag
+        power[PUMP] = power[ACCUMULATOR]
+        power[RELIEF] = 0.0
     return flow_a, flow_b
 
 

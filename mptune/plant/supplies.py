@@ -1,8 +1,9 @@
-"""The six supply pressures: accumulator, pump, tank line and four converter cylinders (Fig. 1).
+"""The supply pressures: accumulator, pump, tank line and converter cylinders (Fig. 1).
 
-Supply 1 is the tank-side line, supply 6 the accumulator. Converter i, of four, feeds supply i + 1:
-flow drawn from its port moves its piston, and a share α of that flow comes from the accumulator,
-the rest from the tank-side line, so that its pressure stands at that share between the two.
+The lowest line is the tank side, the highest has the accumulator, or a constant pressure without
+one; those between are constant or made by converters. Flow drawn from a converter's port moves its
+piston, and a share α of that flow comes from one line, the rest from another, so that its pressure
+stands at that share between the two. ``mptune.params.packed`` has the table of lines.
 """
 
 from __future__ import annotations
@@ -16,31 +17,38 @@ from mptune.plant.flow import orifice, orifice_slope
 if TYPE_CHECKING:
     from mptune.params.packed import Machine
 
-SUPPLIES = 6
-CONVERTERS = 4
-
 _FRICTION_FLOW = 2e-6  # m³/s: below it converter friction is proportional to flow
 _ITERATIONS = 60
 _ENOUGH = 0.1  # Pa, of a halving step
 _NEWTON_ENOUGH = 10.0  # Pa, of a Newton step: the next would be well below 1 Pa
 
 
-@kernel
-def share(supply: int) -> float:
-    """Return α of supply 0 to 5: its pressure's place between tank line and accumulator."""
-    return supply / 5.0
+@inlined_kernel
+def line_pressure(base: float, share: float, high: float) -> float:
+    """Return the pressure of a line without friction [Pa], the highest line's being ``high``."""
+    return base + share * (high - base)
 
 
 @inlined_kernel
 def accumulator_pressure(oil: float, machine: Machine) -> float:
-    """Return p_HP [Pa] with ``oil`` [m³] in the accumulator; the gas is polytropic."""
+    """Return p_HP [Pa] with ``oil`` [m³] in the accumulator; the gas is polytropic.
+
+    Without an accumulator the state in its place is the pressure itself.
+    """
+    if machine.accumulator_volume <= 0:
+        return oil
     gas = machine.accumulator_volume - max(oil, 0.0)
     compression: float = (machine.accumulator_volume / gas) ** machine.accumulator_exponent
     return machine.accumulator_precharge * compression
 
 
 def oil_at_pressure(pressure: float, machine: Machine) -> float:
-    """Return the oil in the accumulator [m³] at a pressure [Pa] above its precharge."""
+    """Return the oil in the accumulator [m³] at a pressure [Pa] above its precharge.
+
+    Without an accumulator it is the pressure, as in ``accumulator_pressure``.
+    """
+    if machine.accumulator_volume <= 0:
+        return pressure
     ratio = machine.accumulator_precharge / pressure
     return machine.accumulator_volume * (1 - math.pow(ratio, 1 / machine.accumulator_exponent))
 
@@ -67,7 +75,7 @@ def port_pressure(
     ideal
         Pressure without friction [Pa].
     open_a, open_b
-        Open valves towards both chambers, 0 to 2 each.
+        Open valves towards both chambers [K_v].
     pressure_a, pressure_b
         Chamber pressures [Pa].
     blocked

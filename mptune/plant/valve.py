@@ -7,34 +7,38 @@ from typing import NamedTuple
 import numpy as np
 
 from mptune.arrays import FloatArray, IntArray, kernel
+from mptune.params.packed import LINE_ROWS, OPEN_A, OPEN_B
 
-VALVES = 24  # 12 per side: two in parallel for each of six supplies
+SIDES = 2
 PENDING = 8  # commands that may be under way to one valve
 
 
 class ValveState(NamedTuple):
     """Where every valve stands and what is under way to it."""
 
-    opening: FloatArray  # (24,) 0 shut … 1 open
-    target: FloatArray  # (24,) where the opening is heading
-    commanded: FloatArray  # (24,) the last command given
-    due: FloatArray  # (24, PENDING) s, when a pending command takes hold; inf where none
-    wanted: FloatArray  # (24, PENDING) the pending command
-    busy: IntArray  # (24,) valves that move or wait for a command, the first ``counters[1]``
-    counters: IntArray  # (26,) switches so far, busy valves, and the switches of each valve
+    opening: FloatArray  # (W,) 0 shut … 1 open; all valves of side A, then those of side B
+    target: FloatArray  # (W,) where the opening is heading
+    commanded: FloatArray  # (W,) the last command given
+    due: FloatArray  # (W, PENDING) s, when a pending command takes hold; inf where none
+    wanted: FloatArray  # (W, PENDING) the pending command
+    busy: IntArray  # (W,) valves that move or wait for a command, the first ``counters[1]``
+    counters: IntArray  # (2 + W,) switches so far, busy valves, and the switches of each valve
 
 
-def shut_valves() -> ValveState:
-    """Return valves that are shut, with nothing under way."""
-    zero = np.zeros(VALVES)
+_PAPER_VALVES = 24  # two in parallel between each of six lines and two chambers
+
+
+def shut_valves(number: int = _PAPER_VALVES) -> ValveState:
+    """Return so many valves that are shut, with nothing under way."""
+    zero = np.zeros(number)
     return ValveState(
         zero,
         zero.copy(),
         zero.copy(),
-        np.full((VALVES, PENDING), np.inf),
-        np.zeros((VALVES, PENDING)),
-        np.zeros(VALVES, np.int64),
-        np.zeros(2 + VALVES, np.int64),
+        np.full((number, PENDING), np.inf),
+        np.zeros((number, PENDING)),
+        np.zeros(number, np.int64),
+        np.zeros(2 + number, np.int64),
     )
 
 
@@ -123,8 +127,49 @@ def _ramp(valves: ValveState, valve: int, step: float, ramp: float) -> bool:
 
 
 @kernel
-def open_valves(valves: ValveState, open_a: FloatArray, open_b: FloatArray) -> None:
-    """Fill ``(6,)`` arrays with the open valves between each supply and each chamber."""
-    for supply in range(6):
-        open_a[supply] = valves.opening[2 * supply] + valves.opening[2 * supply + 1]
-        open_b[supply] = valves.opening[12 + 2 * supply] + valves.opening[13 + 2 * supply]
+def open_valves(
+    valves: ValveState, edge: FloatArray, lines: FloatArray, opened: FloatArray
+) -> None:
+    """Fill the table of lines that have an open valve.
+
+    Parameters
+    ----------
+    valves
+        Where every valve stands.
+    edge
+        ``(2, W/2)`` line and size [K_v] of each valve of a side, line by line.
+    lines
+        ``(LINE_ROWS, L)``, see ``mptune.params.packed``.
+    opened
+        ``(OPEN_ROWS, L)``, filled.
+    """
+    each, found, k = edge.shape[1], 0, 0
+    for line in range(lines.shape[1]):
+        open_a = open_b = 0.0
+        while k < each and edge[0, k] == line:
+            open_a += edge[1, k] * valves.opening[k]
+            open_b += edge[1, k] * valves.opening[each + k]
+            k += 1
+        if open_a != 0 or open_b != 0:
+            add_open(line, open_a, open_b, found, lines, opened)
+            found += 1
+    if found < opened.shape[1]:
+        opened[OPEN_A, found] = opened[OPEN_B, found] = 0.0
+
+
+@kernel
+def add_open(
+    line: int, open_a: float, open_b: float, place: int, lines: FloatArray, opened: FloatArray
+) -> None:
+    """Fill one column of the table of open lines; see ``open_valves``."""
+    for row in range(LINE_ROWS):
+        opened[row, place] = lines[row, line]
+    opened[OPEN_A, place], opened[OPEN_B, place] = open_a, open_b
+
+
+@kernel
+def copy_open(opened: FloatArray, source: FloatArray) -> None:
+    """Fill a table of open lines from another."""
+    for row in range(opened.shape[0]):
+        for place in range(opened.shape[1]):
+            opened[row, place] = source[row, place]

@@ -12,12 +12,12 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import FloatArray, IntArray, kernel
-from mptune.force.cost import force_limits, supply_pressures
+from mptune.force.cost import force_limits, line_pressures
 from mptune.force.select import decide
 from mptune.force.stop import stopped
 from mptune.plant.machine import CONVERTER, OIL, PRESSURE_A, PRESSURE_B, V, X
 from mptune.plant.supplies import accumulator_pressure
-from mptune.plant.valve import ValveState, command
+from mptune.plant.valve import SIDES, ValveState, command
 from mptune.signals.adaptive_mass import fed_mass, learn_mass
 from mptune.signals.conditioning import backlash, median_of_three
 from mptune.signals.differentiator import differentiated, remember
@@ -49,9 +49,10 @@ if TYPE_CHECKING:
     )
     from mptune.signals.outer_loop import OuterLaw
 
-# Signals that are measured: position, both chamber pressures, both supplies, four converters.
-SIGNALS = 9
-# Columns of a trace.
+# Signals that are measured: position, both chamber pressures, highest and lowest line; then the
+# converters.
+SIGNALS = 5
+# Columns of a trace; those of the converters follow.
 (
     X_REF,
     V_REF,
@@ -63,14 +64,10 @@ SIGNALS = 9
     ACTIVE,
     STATE_A,
     STATE_B,
-    CONVERTER_1,
-    _,
-    _,
-    _,
     HIGH_PRESSURE,
     FED_MASS,
-) = range(16)
-COLUMNS = 16
+    CONVERTER_1,
+) = range(13)
 # Places in ``Memory.outer`` behind the outer loops' own: whether the stop logic holds the valves
 # shut, whether the pump runs, and where the position sensor's hysteresis stands. An array more in
 # ``Memory`` costs a tenth of the speed.
@@ -89,13 +86,13 @@ class Delays(NamedTuple):
 class Memory(NamedTuple):
     """What machine and controller carry from tick to tick."""
 
-    state: FloatArray  # (13,) of the machine; (9,) are used but with hoses as lines
+    state: FloatArray  # (S + 4,) of the machine; S are used but with hoses as lines
     energy: FloatArray  # (8,) J
     valves: ValveState
-    raw: FloatArray  # (2, 9) the last two samples of each signal
-    filtered: FloatArray  # (9,)
+    raw: FloatArray  # (2, 5 + K) the last two samples of each signal
+    filtered: FloatArray  # (5 + K,)
     history: FloatArray  # (6,) filtered positions, newest first
-    converters: FloatArray  # (4,) behind the backlash
+    converters: FloatArray  # (K,) behind the backlash
     outer: FloatArray  # (OUTER_PLACES,) of the outer loops, and those above
     choice: IntArray  # (2,) valve states of A and B
 
@@ -117,7 +114,7 @@ def run_ticks(
     random: np.random.Generator,
     trace: FloatArray,
 ) -> None:
-    """Run the closed loop over one movement set and fill ``trace`` ``(T, 16)``.
+    """Run the closed loop over one movement set and fill ``trace`` ``(T, 12 + K)``.
 
     Parameters
     ----------
@@ -137,7 +134,7 @@ def run_ticks(
     tick_time = signals.sample_time
     outer, limits = memory.outer, force_limits(settings)
     law = outer_law(gains, ahead, settings.sampling_period, signals.dead_zone, limits)
-    work = new_work(memory.valves)
+    work = new_work(memory.valves, space.lines, space.edge, len(memory.state))
     for tick in range(len(trace)):
         now = begin + tick * tick_time
         step, v_ref, _ = reference(tick * tick_time, pieces)
@@ -185,7 +182,7 @@ def _measure(  # noqa: C901 - one signal after another, in one loop for speed
     """Sample every sensor, take the median of three, filter; then backlash and history."""
     state, sensors = memory.state, signals.sensors
     place, force = 0.0, 0.0  # of the medians
-    for i in range(SIGNALS):
+    for i in range(len(memory.filtered)):
         if i == 0:
             value, noise = _sensed_position(memory, signals), signals.position_noise
             pole = signals.position_pole
@@ -202,7 +199,7 @@ def _measure(  # noqa: C901 - one signal after another, in one loop for speed
             value, noise = machine.low_pressure, signals.pressure_noise
             pole = signals.supply_pole
         else:
-            value, noise = state[CONVERTER + i - 5], signals.converter_noise
+            value, noise = state[CONVERTER + i - SIGNALS], signals.converter_noise
             pole = signals.supply_pole
         sample = value + noise * random.standard_normal()
         if i == 0 and sensors.quantum > 0:
@@ -217,9 +214,9 @@ def _measure(  # noqa: C901 - one signal after another, in one loop for speed
             force = settings.area_a * middle
         elif i == 2:
             force -= settings.area_b * middle
-    for i in range(4):
+    for i in range(len(memory.converters)):
         memory.converters[i] = backlash(
-            memory.converters[i], memory.filtered[5 + i], signals.backlash
+            memory.converters[i], memory.filtered[SIGNALS + i], signals.backlash
         )
     remember(memory.history, memory.filtered[0])
     know_load(memory.outer, law.ahead, signals, place, force, v_ref)
@@ -265,7 +262,7 @@ def _control(
     if stop:
         memory.choice[0], memory.choice[1] = 0, 0
         return
-    supplies = supply_pressures(memory.filtered[4], memory.filtered[3])
+    supplies = line_pressures(memory.filtered[4], memory.filtered[3], space)
     memory.choice[0], memory.choice[1] = decide(
         force,
         memory.filtered[1],
@@ -290,12 +287,13 @@ def _switch(
     random: np.random.Generator,
 ) -> None:
     """Command the valves of the chosen states, each with a delay of its own."""
-    for side in range(2):
-        for valve in range(12):
+    each = space.valves.shape[1]
+    for side in range(SIDES):
+        for valve in range(each):
             wanted = float(space.valves[memory.choice[side], valve])
-            if wanted != memory.valves.commanded[12 * side + valve]:
+            if wanted != memory.valves.commanded[each * side + valve]:
                 delay = delays.least + (delays.largest - delays.least) * random.random()
-                command(memory.valves, 12 * side + valve, wanted, now + delay)
+                command(memory.valves, each * side + valve, wanted, now + delay)
 
 
 @kernel
@@ -306,6 +304,6 @@ def _record(row: FloatArray, memory: Memory, x_ref: float, v_ref: float, machine
     row[CHAMBER_A], row[CHAMBER_B] = state[PRESSURE_A], state[PRESSURE_B]
     row[F_REF], row[ACTIVE] = memory.outer[FORCE], 1.0 - memory.outer[STOPPED]
     row[STATE_A], row[STATE_B] = memory.choice[0], memory.choice[1]
-    for i in range(4):
+    for i in range(len(memory.converters)):
         row[CONVERTER_1 + i] = state[CONVERTER + i]
     row[HIGH_PRESSURE] = accumulator_pressure(state[OIL], machine)

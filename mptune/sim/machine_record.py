@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from mptune.params.packed import Machine
     from mptune.sim.moves import Moves
 
-_CONVERTERS = slice(loop.CONVERTER_1, loop.CONVERTER_1 + 4)
+_CONVERTERS = slice(loop.CONVERTER_1, None)
 _CHAMBERS = slice(loop.CHAMBER_A, loop.CHAMBER_B + 1)
 
 
@@ -35,7 +35,7 @@ def record_of(
     Parameters
     ----------
     trace
-        ``(T, 16)``, see ``mptune.sim.closed_loop``.
+        ``(T, 12 + K)``, see ``mptune.sim.closed_loop``.
     moves
         The reference.
     energy
@@ -72,10 +72,15 @@ def record_of(
         force_limits=force_limits,
         broken=broken_limits(trace, machine, tick, begin),
         pressures=trace[:, _CHAMBERS],
-        own_figures={"converter_peak_mm": 1e3 * float(np.abs(trace[:, _CONVERTERS]).max())},
+        own_figures=_converter_peak(trace) if machine.converters else {},
         busiest=busiest,
         commands=moves.commands,
     )
+
+
+def _converter_peak(trace: FloatArray) -> dict[str, float]:
+    """Return how far a converter piston came from its centre, as a figure of the machine's own."""
+    return {"converter_peak_mm": 1e3 * float(np.abs(trace[:, _CONVERTERS]).max())}
 
 
 def energies_of(energy: FloatArray) -> Energies:
@@ -99,7 +104,7 @@ def broken_limits(
 ) -> tuple[BrokenLimit, ...]:
     """Return the limits that a set breaks and when first, in the order of time."""
     slack = 1e-6
-    converters = np.abs(trace[:, _CONVERTERS]).max(axis=1)
+    converters = np.abs(trace[:, _CONVERTERS]).max(axis=1, initial=0.0)
     position = trace[:, loop.POSITION]
     empty = machine.accumulator_precharge * (1 + slack)
     tests = {

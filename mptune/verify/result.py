@@ -51,7 +51,9 @@ class CaseResult(Summarised):
     record
         The neutral record of the last set.
     traces
-        ``(T, 16)`` of the last set, columns as in ``mptune.sim.closed_loop``.
+        ``(T, 12 + K)`` of the last set, columns as in ``mptune.sim.closed_loop``.
+    states
+        How many valve states of one side there are of each kind, the closed one first.
     """
 
     mass_kg: float
@@ -65,6 +67,7 @@ class CaseResult(Summarised):
     sets: tuple[SetFigures, ...]
     record: RunRecord
     traces: FloatArray
+    states: tuple[int, ...] = ()
 
     @property
     def headline(self) -> str:

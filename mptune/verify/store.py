@@ -29,10 +29,6 @@ _COLUMNS = {
     "active": (loop.ACTIVE, "1"),
     "state_a": (loop.STATE_A, "1"),
     "state_b": (loop.STATE_B, "1"),
-    "converter_1": (loop.CONVERTER_1, "m"),
-    "converter_2": (loop.CONVERTER_1 + 1, "m"),
-    "converter_3": (loop.CONVERTER_1 + 2, "m"),
-    "converter_4": (loop.CONVERTER_1 + 3, "m"),
     "pressure_high": (loop.HIGH_PRESSURE, "Pa"),
     "fed_mass": (loop.FED_MASS, "kg"),
 }
@@ -43,13 +39,17 @@ def to_dataset(result: VerifyResult) -> xr.Dataset:
     import xarray as xr
 
     cases = result.worst_per_mass()
+    converters = {
+        f"converter_{k + 1}": (loop.CONVERTER_1 + k, "m")
+        for k in range(result.study.study.converters)
+    }
     traces = np.stack([case.traces for case in cases])
     time = result.study.study.controller.fast_sampling_period * np.arange(traces.shape[1])
     data = {
         name: xr.DataArray(
             traces[:, :, column].astype(np.float32), dims=("case", "time"), attrs={"units": unit}
         )
-        for name, (column, unit) in _COLUMNS.items()
+        for name, (column, unit) in {**_COLUMNS, **converters}.items()
     }
     coordinates = {
         "time": xr.DataArray(time, dims="time", attrs={"units": "s"}),

@@ -10,7 +10,7 @@ import numpy as np
 from mptune.arrays import frozen
 from mptune.errors import Fault, InputError
 from mptune.force.cost import force_limits
-from mptune.force.search_space import search_space
+from mptune.force.search_space import space_of
 from mptune.params.pack import (
     pack_estimator,
     pack_feedforward,
@@ -21,18 +21,13 @@ from mptune.params.pack import (
     pack_signals,
     pack_table,
 )
-from mptune.params.packed import NO_FEEDFORWARD
-from mptune.plant import machine as plant
-from mptune.plant.piston import burden_at
-from mptune.plant.supplies import oil_at_pressure
-from mptune.plant.valve import shut_valves
+from mptune.params.valve_states import states_by_kind
 from mptune.progress import silent
-from mptune.signals.adaptive_mass import start_learning
-from mptune.signals.states import INTEGRAL, LOAD_HEARD, POSITION_HEARD, REFERENCE
 from mptune.sim import closed_loop as loop
 from mptune.sim.judge import LIMIT_CYCLE_SWINGS, SATURATED, set_figures
 from mptune.sim.machine_record import record_of
 from mptune.sim.moves import moves_of
+from mptune.verify.at_rest import new_memory
 from mptune.verify.result import CaseResult, CaseStatus, VerifyResult
 
 if TYPE_CHECKING:
@@ -51,8 +46,6 @@ if TYPE_CHECKING:
     from mptune.sim.judge import SetFigures
     from mptune.sim.moves import Moves
     from mptune.sim.record import BrokenLimit
-
-_START_PRESSURE_B = 6e6  # Pa; p_A follows from the balance of forces
 
 
 class Case(NamedTuple):
@@ -211,8 +204,8 @@ def run_rig(
     ticks = signals.ticks * int(np.ceil(moves.duration / period - 1e-9))
     memory = new_memory(study, machine, rig.gains, start, rig.ahead)
     limits = force_limits(rig.settings)
-    space = search_space()
-    trace = np.empty((ticks, loop.COLUMNS))
+    space = space_of(study)
+    trace = np.empty((ticks, loop.CONVERTER_1 + machine.converters))
     sets: list[SetFigures] = []
     broken: BrokenLimit | None = None
     for number in range(repeats):
@@ -249,6 +242,7 @@ def run_rig(
         sets=tuple(sets),
         record=record,
         traces=frozen(trace),
+        states=tuple(map(len, states_by_kind(study.study.edge_rule))),
     )
 
 
@@ -270,46 +264,3 @@ def delays_of(study: ResolvedStudy, valve_delay: Range) -> loop.Delays:
     extra = valves.computation_delay[1] - valves.ramp
     least, largest = (max(delay + extra, 0.0) for delay in valve_delay)
     return loop.Delays(least, largest, valves.ramp)
-
-
-def new_memory(
-    study: ResolvedStudy,
-    machine: Machine,
-    gains: LoopGains,
-    start: float,
-    ahead: FeedforwardTuple = NO_FEEDFORWARD,
-) -> loop.Memory:
-    """Return machine and controller at rest at ``start`` [m].
-
-    The chamber pressures carry the load, and so does the integrator, as far as the controller can:
-    there is none without K_I,pos, and F_ref has its limits.
-    """
-    supplies = study.study.supplies
-    high = 0.5 * (supplies.pump_on + supplies.pump_off)
-    pressure_b = _START_PRESSURE_B
-    load = burden_at(start, machine, pack_table(study)).force
-    pressure_a = (load + machine.area_b * pressure_b) / machine.area_a
-    state: FloatArray = np.zeros(plant.LINE_STATES)
-    state[plant.X], state[plant.OIL] = start, oil_at_pressure(high, machine)
-    state[[plant.PRESSURE_A, plant.VALVE_END_A]] = pressure_a
-    state[[plant.PRESSURE_B, plant.VALVE_END_B]] = pressure_b
-    signals = np.zeros(loop.SIGNALS)
-    signals[:5] = start, pressure_a, pressure_b, high, machine.low_pressure
-    outer = np.zeros(loop.OUTER_PLACES)
-    if gains.k_i_pos > 0:
-        least, largest = force_limits(pack_force(study))
-        outer[INTEGRAL] = min(max(load, least), largest) / gains.k_p_vel
-    outer[[REFERENCE, POSITION_HEARD, loop.SENSED]] = start
-    outer[LOAD_HEARD] = machine.area_a * pressure_a - machine.area_b * pressure_b
-    start_learning(outer, ahead, load)
-    return loop.Memory(
-        state=state,
-        energy=np.zeros(8),
-        valves=shut_valves(),
-        raw=np.stack([signals, signals]),
-        filtered=signals.copy(),
-        history=np.full(6, start),
-        converters=np.zeros(4),
-        outer=outer,
-        choice=np.zeros(2, np.int64),
-    )

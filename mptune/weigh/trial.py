@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
@@ -109,8 +110,9 @@ class Trial(Summarised):
 
     @property
     def converter_peak(self) -> float:
-        """Largest way of a converter piston from its centre [m]."""
-        return 1e-3 * float(self.column("converter_peak_mm").max())
+        """Largest way of a converter piston from its centre [m]; 0 without converters."""
+        largest = float(self.column("converter_peak_mm").max())
+        return 0.0 if math.isnan(largest) else 1e-3 * largest
 
 
 class Bench:

@@ -10,10 +10,11 @@ import numba
 import numpy as np
 import pytest
 from llvmlite.binding import get_host_cpu_features
+from opened import opened
 from scipy.integrate import solve_ivp
 
 from mptune.force.cost import supply_pressures
-from mptune.force.search_space import search_space
+from mptune.force.search_space import search_space, space_of
 from mptune.force.select import decide
 from mptune.params.load import load_study
 from mptune.params.pack import pack_force, pack_gains, pack_machine
@@ -27,6 +28,7 @@ from mptune.verify.verify import cases_of, new_memory, run_case
 
 pytestmark = pytest.mark.bench
 
+STATES = plant.CONVERTER + 4  # of the paper's machine
 TICK = 5e-4  # s
 SET = 9.0  # s of simulated time in one movement set
 
@@ -150,8 +152,8 @@ def test_closed_loop_runs_at_150_times_real_time(run):
 
 
 @numba.njit
-def integrate(memory, machine, ticks):
-    work = new_work(memory.valves)
+def integrate(memory, machine, space, ticks):
+    work = new_work(memory.valves, space.lines, space.edge, len(memory.state))
     for tick in range(ticks):
         advance(
             memory.state, memory.energy, memory.valves, 0.0,
@@ -164,16 +166,14 @@ def test_integration_is_at_least_3_times_faster_than_scipy_with_the_same_compile
     boom, method
 ):
     """The same compiled rates from ten states, 10 ms each: the time between two decisions."""
-    machine, space = pack_machine(boom, 24500.0, 1.2e9, 9700.0), search_space()
+    machine, space = pack_machine(boom, 24500.0, 1.2e9, 9700.0), space_of(boom)
     random, span = np.random.default_rng(3), 0.01
-    scale = np.array([1, 1, 1e6, 1e6, 1, 1, 1, 1, 1e-3])
-    power, open_a, open_b = np.empty(plant.ENERGIES), np.empty(6), np.empty(6)
+    scale = np.array([1, 1, 1e6, 1e6, 1e-3, 1, 1, 1, 1])
+    power, lines = np.empty(plant.ENERGIES), opened(space.lines, 0.0, 0.0)
 
     def slope(_, y):
-        rate = np.empty(plant.STATES)
-        plant.rates(
-            y * scale, open_a, open_b, 0.0, machine, burden_at(y[0], machine, NO_TABLE), rate, power
-        )
+        rate = np.empty(STATES)
+        plant.rates(y * scale, lines, 0.0, machine, burden_at(y[0], machine, NO_TABLE), rate, power)
         return rate / scale
 
     fast = slow = deviation = 0.0
@@ -183,11 +183,11 @@ def test_integration_is_at_least_3_times_faster_than_scipy_with_the_same_compile
         opening = [space.valves[state] for state in random.integers(1, 28, 2)]
         for array in (memory.valves.opening, memory.valves.target, memory.valves.commanded):
             array[:] = np.concatenate(opening)
-        open_valves(memory.valves, open_a, open_b)
-        start, times = memory.state[: plant.STATES].copy(), []
+        open_valves(memory.valves, space.edge, space.lines, lines)
+        start, times = memory.state[:STATES].copy(), []
         for _ in range(9):
-            memory.state[: plant.STATES] = start
-            times.append(seconds(lambda memory=memory: integrate(memory, machine, 20)))
+            memory.state[:STATES] = start
+            times.append(seconds(lambda memory=memory: integrate(memory, machine, space, 20)))
         fast += float(np.median(times))
         solved = []
         slow += seconds(

@@ -7,9 +7,11 @@ from scipy.integrate import quad, solve_ivp
 
 from mptune.force.cost import supply_pressures
 from mptune.force.dynamic import look_ahead
-from mptune.force.ports import COST, ROW, STATES, ports_of
+from mptune.force.ports import COST, ROW, ports_of
 from mptune.force.search_space import search_space
 from mptune.params.pack import pack_force
+
+STATES = 28  # of one side of the paper's machine
 
 
 def energies(loss, load_boom, side, p, x, v, supplies):

@@ -5,11 +5,13 @@ import pytest
 from deciding import counts_of, flows, stiffness, throttled
 
 from mptune.force.cost import supply_pressures
-from mptune.force.ports import BARRED, COST, PRESSURE, ROW, STATES, ports_of
+from mptune.force.ports import BARRED, COST, PRESSURE, ROW, ports_of
 from mptune.force.search_space import search_space
 from mptune.force.select import decide
 from mptune.force.steady import settle
 from mptune.params.pack import pack_force
+
+STATES = 28  # of one side of the paper's machine
 
 COUNT = 30 if hasattr(decide, "py_func") else 3
 

@@ -17,7 +17,7 @@ static uint8_t accepted(const mptune_inputs *inputs)
     for (uint32_t i = 0U; i < 4U; i++) {
         good &= mptune_within(chambers_and_supplies[i], p->pressure_least, p->pressure_largest);
     }
-    for (uint32_t i = 0U; i < MPTUNE_CONVERTERS; i++) {
+    for (uint32_t i = 0U; i != MPTUNE_CONVERTERS; i++) {
         good &= mptune_within(inputs->converter[i], -p->converter_largest, p->converter_largest);
     }
     return good;
@@ -30,7 +30,7 @@ static void samples_of(const mptune_inputs *inputs, mptune_real sample[MPTUNE_SI
     sample[MPTUNE_CHAMBER_B] = inputs->pressure_b;
     sample[MPTUNE_HIGH] = inputs->pressure_high;
     sample[MPTUNE_LOW] = inputs->pressure_low;
-    for (uint32_t i = 0U; i < MPTUNE_CONVERTERS; i++) {
+    for (uint32_t i = 0U; i != MPTUNE_CONVERTERS; i++) {
         sample[MPTUNE_CONVERTER + i] = inputs->converter[i];
     }
 }
@@ -88,7 +88,7 @@ uint32_t mptune_init(mptune_state *state, const mptune_inputs *first, mptune_rea
     for (uint32_t tap = 0U; tap < MPTUNE_TAPS; tap++) {
         state->history[tap] = first->position;
     }
-    for (uint32_t i = 0U; i < MPTUNE_CONVERTERS; i++) {
+    for (uint32_t i = 0U; i != MPTUNE_CONVERTERS; i++) {
         state->converters[i] = first->converter[i];
     }
     state->reference = first->position_reference;

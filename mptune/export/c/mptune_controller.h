@@ -5,7 +5,7 @@
  * mptune_step    every T_S,fast (mptune_study.sample_time, in s). It samples and filters at each
  *                call; at the first and at every MPTUNE_TICKS-th call after it, that is once per
  *                T_S, it also runs the outer loops, the stop logic and the force controller, whose
- *                choice out of 28 x 28 valve states is then held.
+ *                choice among both sides' valve states is then held.
  *
  * All values are in SI units. State lives in one mptune_state that the caller owns; the study's
  * numbers are constant data in mptune_parameters.c. Nothing is allocated, nothing recurses, every
@@ -21,9 +21,6 @@
 
 #include "mptune_parameters.h"
 
-#define MPTUNE_CONVERTERS 4U /* converter cylinders between the outer supplies */
-#define MPTUNE_SIGNALS 9U    /* sampled signals: position, two chambers, two supplies, converters */
-#define MPTUNE_VALVES 12U    /* valves of one side: two in parallel for each of six supplies */
 #define MPTUNE_TAPS 6U       /* of the differentiating filter, Eq. 23 */
 #define MPTUNE_REGRESSORS 4U /* of the mass that is learnt on line */
 
@@ -49,16 +46,16 @@ typedef struct {
     mptune_real position;               /* m, raw */
     mptune_real pressure_a;             /* Pa, raw, A-side chamber */
     mptune_real pressure_b;             /* Pa, raw, B-side chamber */
-    mptune_real pressure_high;          /* Pa, raw, highest supply */
-    mptune_real pressure_low;           /* Pa, raw, lowest supply */
-    mptune_real converter[MPTUNE_CONVERTERS]; /* m, raw, from the centre, positive on filling */
+    mptune_real pressure_high;          /* Pa, raw, highest line */
+    mptune_real pressure_low;           /* Pa, raw, lowest line */
+    mptune_real converter[MPTUNE_PLACES]; /* m, raw, from the centre, positive on filling */
 } mptune_inputs;
 
 /* What is to be done until the next step. */
 typedef struct {
-    uint8_t valve[2U * MPTUNE_VALVES]; /* 1 open; side A first, two per supply, lowest first */
-    uint8_t state_a;                   /* 0 to 27, row of mptune_valves */
-    uint8_t state_b;                   /* 0 to 27 */
+    uint8_t valve[2U * MPTUNE_VALVES]; /* 1 open; side A first, line by line, lowest first */
+    mptune_choice state_a;             /* below MPTUNE_STATES, row of mptune_valves */
+    mptune_choice state_b;             /* the same */
     uint8_t stopped;                   /* 1 while the stop logic holds all valves shut */
     uint8_t decided;                   /* 1 in a step that ran the loops, once per T_S */
     uint32_t fault;                    /* sum of MPTUNE_FAULT_*, as returned */
@@ -70,7 +67,7 @@ typedef struct {
     mptune_real raw[2][MPTUNE_SIGNALS]; /* the last two samples */
     mptune_real filtered[MPTUNE_SIGNALS];
     mptune_real history[MPTUNE_TAPS]; /* m, filtered positions, newest first */
-    mptune_real converters[MPTUNE_CONVERTERS]; /* m, behind the backlash */
+    mptune_real converters[MPTUNE_PLACES]; /* m, behind the backlash */
     mptune_real lag_1;                /* m/s, of the second-order section */
     mptune_real lag_2;                /* m/s */
     mptune_real integral;             /* m/s */
@@ -90,7 +87,7 @@ typedef struct {
     uint32_t ready;
     uint32_t tick; /* steps since the last decision */
     uint8_t stopped;
-    uint8_t choice[2]; /* valve states of A and B */
+    mptune_choice choice[2]; /* valve states of A and B */
 } mptune_state;
 
 /*

@@ -1,4 +1,4 @@
-/* The force controller: estimator (Eq. 4 and 5), cost (Eq. 7 and 8), decision over all 28 x 28.
+/* The force controller: estimator (Eq. 4 and 5), cost (Eq. 7 and 8), decision over all pairs of states.
  * What goes beyond the paper's own decision stands in mptune_horizon.c. */
 #include "mptune_parts.h"
 
@@ -51,18 +51,18 @@ mptune_chamber mptune_chamber_of(
 
 /* Flow over flow coefficient into a chamber at a pressure, Pa^0.5. */
 static mptune_real inflow(
-    const mptune_port *port, const mptune_real supplies[MPTUNE_SUPPLIES], mptune_real pressure)
+    const mptune_port *port, const mptune_real supplies[MPTUNE_LINES], mptune_real pressure)
 {
-    mptune_real flow = R(port->first_count) * orifice(supplies[port->first] - pressure);
-    if (port->second_count > 0U) {
-        flow += R(port->second_count) * orifice(supplies[port->second] - pressure);
+    mptune_real flow = port->first_count * orifice(supplies[port->first] - pressure);
+    if (port->second_count > R(0)) {
+        flow += port->second_count * orifice(supplies[port->second] - pressure);
     }
     return flow;
 }
 
 /* The pressure at the end of the look ahead with a valve state held, Pa. */
 static mptune_real predict(
-    const mptune_chamber *one, const mptune_port *port, const mptune_real supplies[MPTUNE_SUPPLIES])
+    const mptune_chamber *one, const mptune_port *port, const mptune_real supplies[MPTUNE_LINES])
 {
     const mptune_real scale = mptune_study.flow_coefficient;
     const mptune_real step = one->period / R(MPTUNE_STEPS);
@@ -78,10 +78,26 @@ static mptune_real predict(
     return pressure;
 }
 
-/* What one supply's valves cost: loss in J, Eq. 8, and Q_conv x^3 in m^6/s. */
+mptune_real mptune_converter_place(uint32_t line, const mptune_real converters[MPTUNE_PLACES])
+{
+    const uint32_t converter = mptune_lines[line].converter;
+    return (converter < MPTUNE_PLACES) ? converters[converter] : R(0);
+}
+
+mptune_real mptune_beyond_limits(mptune_real after)
+{
+    const mptune_parameters *const p = &mptune_study;
+    mptune_real penalty = MPTUNE_OUT_OF_RANGE;
+    if (p->weight_pressure > R(0)) {
+        penalty = p->weight_pressure * mptune_max(p->pressure_min - after, after - p->pressure_max);
+    }
+    return penalty;
+}
+
+/* What one line's valves cost: loss in J, Eq. 8, and Q_conv x^3 in m^6/s. */
 static void add_port(
     uint32_t supply, mptune_real count, mptune_real before, mptune_real after,
-    const mptune_real supplies[MPTUNE_SUPPLIES], const mptune_real converters[MPTUNE_CONVERTERS],
+    const mptune_real supplies[MPTUNE_LINES], const mptune_real converters[MPTUNE_PLACES],
     mptune_real *loss, mptune_real *conversion)
 {
     const mptune_parameters *const p = &mptune_study;
@@ -92,18 +108,16 @@ static void add_port(
     const mptune_real flow_then = scale * orifice(drop_then);
     *loss += R(0.5) * p->sampling_period
              * (flow_now * drop_now + flow_then * drop_then); /* Eq. 8 */
-    if ((supply >= 1U) && (supply <= MPTUNE_CONVERTERS)) {
-        const mptune_real share = p->predicted_share;
-        const mptune_real drawn = share * flow_then + (R(1) - share) * flow_now;
-        const mptune_real place = converters[supply - 1U];
-        *conversion += -drawn * (place * (place * place));
-    }
+    const mptune_real share = p->predicted_share;
+    const mptune_real drawn = share * flow_then + (R(1) - share) * flow_now;
+    const mptune_real place = mptune_converter_place(supply, converters);
+    *conversion += -drawn * (place * (place * place));
 }
 
 /* The force of every state of one side, N, and what it costs beside the force error, N. */
 static void side_costs(
-    const mptune_chamber *one, mptune_real area, uint8_t present, const mptune_real supplies[MPTUNE_SUPPLIES],
-    const mptune_real converters[MPTUNE_CONVERTERS], mptune_real force[MPTUNE_STATES],
+    const mptune_chamber *one, mptune_real area, uint32_t present, const mptune_real supplies[MPTUNE_LINES],
+    const mptune_real converters[MPTUNE_PLACES], mptune_real force[MPTUNE_STATES],
     mptune_real cost[MPTUNE_STATES])
 {
     const mptune_parameters *const p = &mptune_study;
@@ -112,19 +126,19 @@ static void side_costs(
         const mptune_real after = predict(one, port, supplies);
         mptune_real loss = R(0);
         mptune_real conversion = R(0);
-        if (port->first_count > 0U) {
-            add_port(port->first, R(port->first_count), one->pressure, after, supplies, converters,
+        if (port->first_count > R(0)) {
+            add_port(port->first, port->first_count, one->pressure, after, supplies, converters,
                      &loss, &conversion);
         }
-        if (port->second_count > 0U) {
-            add_port(port->second, R(port->second_count), one->pressure, after, supplies,
+        if (port->second_count > R(0)) {
+            add_port(port->second, port->second_count, one->pressure, after, supplies,
                      converters, &loss, &conversion);
         }
         mptune_real total = p->weight_switching * R(mptune_switches[present][i]); /* Eq. 7 */
         total += p->weight_loss * loss;
         total += p->weight_converter * conversion;
         if ((after < p->pressure_min) || (after > p->pressure_max)) {
-            total += MPTUNE_OUT_OF_RANGE;
+            total += mptune_beyond_limits(after);
         }
         force[i] = area * after;
         cost[i] = total;
@@ -135,20 +149,20 @@ static void side_costs(
 static uint8_t cheapest(
     mptune_real wanted, const mptune_real force_a[MPTUNE_STATES],
     const mptune_real cost_a[MPTUNE_STATES], const mptune_real force_b[MPTUNE_STATES],
-    const mptune_real cost_b[MPTUNE_STATES], uint8_t choice[2])
+    const mptune_real cost_b[MPTUNE_STATES], mptune_choice choice[2])
 {
     mptune_real best = MPTUNE_BEYOND;
     uint8_t found = 0U;
     choice[0] = 0U;
     choice[1] = 0U;
-    for (uint8_t a = 0U; a < MPTUNE_STATES; a++) {
-        for (uint8_t b = 0U; b < MPTUNE_STATES; b++) {
+    for (uint32_t a = 0U; a < MPTUNE_STATES; a++) {
+        for (uint32_t b = 0U; b < MPTUNE_STATES; b++) {
             const mptune_real total =
                 MPTUNE_ABS(wanted - (force_a[a] - force_b[b])) + cost_a[a] + cost_b[b]; /* Eq. 7 */
             if (total < best) {
                 best = total;
-                choice[0] = a;
-                choice[1] = b;
+                choice[0] = (mptune_choice)a;
+                choice[1] = (mptune_choice)b;
                 found = 1U;
             }
         }
@@ -173,10 +187,11 @@ uint8_t mptune_decide(mptune_state *state, mptune_real velocity)
     mptune_real pressure_a = state->filtered[MPTUNE_CHAMBER_A];
     mptune_real pressure_b = state->filtered[MPTUNE_CHAMBER_B];
     mptune_real position = mptune_position(state);
-    mptune_real supplies[MPTUNE_SUPPLIES];
-    for (uint32_t i = 0U; i < MPTUNE_SUPPLIES; i++) {
-        const mptune_real low = state->filtered[MPTUNE_LOW];
-        supplies[i] = low + R(i) / R(5) * (state->filtered[MPTUNE_HIGH] - low);
+    mptune_real supplies[MPTUNE_LINES];
+    for (uint32_t i = 0U; i < MPTUNE_LINES; i++) {
+        const mptune_line *const line = &mptune_lines[i];
+        const mptune_real base = (line->rests != 0U) ? state->filtered[MPTUNE_LOW] : line->base;
+        supplies[i] = base + line->share * (state->filtered[MPTUNE_HIGH] - base);
     }
     if (lag > R(0)) { /* carried through the valve delay with the present states */
         const mptune_chamber a = mptune_chamber_of(MPTUNE_SIDE_A, pressure_a, position, velocity, lag);

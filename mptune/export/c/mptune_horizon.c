@@ -1,6 +1,6 @@
 /* The decision beyond the paper's own: Huber's count of the force error, losses along the path, a
  * common-mode term, two periods ahead, and settled pressures in place of those after T_S. The rows
- * of two periods take 1582 numbers on the stack for six candidates. */
+ * of two periods take 1582 numbers on the stack for six candidates of 28 states. */
 #include "mptune_parts.h"
 
 #define SIDES 2U
@@ -21,7 +21,7 @@ typedef struct {
 /* What all rows of one decision share. */
 typedef struct {
     const mptune_real *supplies;
-    mptune_real cube[MPTUNE_SUPPLIES]; /* m^3, cubed converter positions; 0 without a converter */
+    mptune_real cube[MPTUNE_LINES]; /* m^3, cubed converter positions; 0 without a converter */
     mptune_real middle;                /* Pa, mid-supply pressure */
     mptune_real steep;                 /* 3/(2 sqrt(p_tr)) */
     mptune_real bend;                  /* 1/(2 p_tr^1.5) */
@@ -51,8 +51,8 @@ static void look_ahead(
     const mptune_real step = one->period / R(MPTUNE_STEPS);
     const mptune_real high_1 = all->supplies[port->first];
     const mptune_real high_2 = all->supplies[port->second];
-    const mptune_real n_1 = R(port->first_count);
-    const mptune_real n_2 = R(port->second_count);
+    const mptune_real n_1 = port->first_count;
+    const mptune_real n_2 = port->second_count;
     const mptune_real start_1 = smooth_root(all, high_1 - one->pressure);
     const mptune_real start_2 = smooth_root(all, high_2 - one->pressure);
     mptune_real root_1 = start_1;
@@ -103,13 +103,13 @@ static void settle(
     const mptune_real scale = p->flow_coefficient;
     const mptune_real high_1 = all->supplies[port->first];
     const mptune_real high_2 = all->supplies[port->second];
-    const mptune_real n_1 = R(port->first_count);
-    const mptune_real n_2 = R(port->second_count);
+    const mptune_real n_1 = port->first_count;
+    const mptune_real n_2 = port->second_count;
     mptune_real settled = one->pressure; /* of a closed chamber */
-    if (port->first_count > 0U) {
+    if (port->first_count > R(0)) {
         const mptune_real root = one->taken / (scale * (n_1 + n_2));
         const mptune_real reach = mptune_max(root * root, p->transition_pressure);
-        const mptune_real other = (port->second_count > 0U) ? high_2 : high_1;
+        const mptune_real other = (port->second_count > R(0)) ? high_2 : high_1;
         mptune_real low = mptune_min(high_1, other) - reach;
         mptune_real high = mptune_max(high_1, other) + reach;
         for (uint32_t k = 0U; k < HALVINGS; k++) {
@@ -164,7 +164,7 @@ static void fill(
         }
         mptune_real total = p->weight_switching * R(mptune_switches[present][i]) + cost;
         if ((after < p->pressure_min) || (after > p->pressure_max)) {
-            total += MPTUNE_OUT_OF_RANGE;
+            total += mptune_beyond_limits(after);
         }
         one->force[i] = area * after;
         one->cost[i] = total;
@@ -239,26 +239,24 @@ static mptune_real least_pair(
 }
 
 static shared shared_of(
-    const mptune_real supplies[MPTUNE_SUPPLIES], const mptune_real converters[MPTUNE_CONVERTERS])
+    const mptune_real supplies[MPTUNE_LINES], const mptune_real converters[MPTUNE_PLACES])
 {
     const mptune_real tr = mptune_study.transition_pressure;
     shared all;
     all.supplies = supplies;
-    for (uint32_t i = 0U; i < MPTUNE_SUPPLIES; i++) {
-        all.cube[i] = R(0);
+    for (uint32_t i = 0U; i < MPTUNE_LINES; i++) {
+        const mptune_real place = mptune_converter_place(i, converters);
+        all.cube[i] = place * (place * place);
     }
-    for (uint32_t i = 0U; i < MPTUNE_CONVERTERS; i++) {
-        all.cube[i + 1U] = converters[i] * (converters[i] * converters[i]);
-    }
-    all.middle = R(0.5) * (supplies[0] + supplies[MPTUNE_SUPPLIES - 1U]);
+    all.middle = R(0.5) * (supplies[0] + supplies[MPTUNE_LINES - 1U]);
     all.steep = R(1.5) / MPTUNE_SQRT(tr);
     all.bend = R(0.5) / (tr * MPTUNE_SQRT(tr));
     return all;
 }
 
 uint8_t mptune_best_ahead(
-    const mptune_situation *now, const mptune_real supplies[MPTUNE_SUPPLIES],
-    const mptune_real converters[MPTUNE_CONVERTERS], uint8_t choice[2])
+    const mptune_situation *now, const mptune_real supplies[MPTUNE_LINES],
+    const mptune_real converters[MPTUNE_PLACES], mptune_choice choice[2])
 {
     const mptune_parameters *const p = &mptune_study;
     const shared all = shared_of(supplies, converters);
@@ -297,7 +295,7 @@ uint8_t mptune_best_ahead(
             }
         }
     }
-    choice[0] = (uint8_t)(chosen / MPTUNE_STATES);
-    choice[1] = (uint8_t)(chosen % MPTUNE_STATES);
+    choice[0] = (mptune_choice)(chosen / MPTUNE_STATES);
+    choice[1] = (mptune_choice)(chosen % MPTUNE_STATES);
     return (found > 0U) ? 1U : 0U;
 }

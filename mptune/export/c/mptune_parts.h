@@ -32,8 +32,7 @@ double fabs(double value);
 #define MPTUNE_CONVERTER 5U
 
 #define MPTUNE_STEPS 4U /* Heun steps in one look ahead */
-#define MPTUNE_SUPPLIES 6U
-#define MPTUNE_OUT_OF_RANGE R(1e6) /* N, penalty of a pressure outside its limits */
+#define MPTUNE_OUT_OF_RANGE R(1e6) /* N, fixed penalty of a pressure outside its limits */
 
 #define MPTUNE_SIDE_A 0U
 #define MPTUNE_SIDE_B 1U
@@ -82,15 +81,21 @@ void mptune_stop_logic(mptune_state *state, const mptune_inputs *inputs);
 /* Force controller: one T_S. It changes the choice, and returns 0 where no cost is a number. */
 uint8_t mptune_decide(mptune_state *state, mptune_real velocity);
 
+/* The penalty of a pressure outside its limits, N. */
+mptune_real mptune_beyond_limits(mptune_real after);
+
 /* Estimated B_eff over volume of one chamber, Pa/m^3. */
 mptune_real mptune_stiffness(uint32_t side, mptune_real position);
 mptune_chamber mptune_chamber_of(
     uint32_t side, mptune_real pressure, mptune_real position, mptune_real velocity,
     mptune_real period);
 
+/* Where the converter stands that makes a line, m; 0 where none does. */
+mptune_real mptune_converter_place(uint32_t line, const mptune_real converters[MPTUNE_PLACES]);
+
 /* The decision beyond the paper's own: as mptune_decide, from where the delay was predicted to. */
 uint8_t mptune_best_ahead(
-    const mptune_situation *now, const mptune_real supplies[MPTUNE_SUPPLIES],
-    const mptune_real converters[MPTUNE_CONVERTERS], uint8_t choice[2]);
+    const mptune_situation *now, const mptune_real supplies[MPTUNE_LINES],
+    const mptune_real converters[MPTUNE_PLACES], mptune_choice choice[2]);
 
 #endif

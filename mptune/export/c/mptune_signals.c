@@ -68,7 +68,7 @@ void mptune_measure(
             *force -= mptune_study.area_b * middle;
         }
     }
-    for (uint32_t i = 0U; i < MPTUNE_CONVERTERS; i++) {
+    for (uint32_t i = 0U; i != MPTUNE_CONVERTERS; i++) {
         state->converters[i] = backlash(
             state->converters[i], state->filtered[MPTUNE_CONVERTER + i], mptune_study.backlash);
     }

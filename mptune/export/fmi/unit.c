@@ -18,7 +18,7 @@ static mptune_real *input_at(mptune_inputs *inputs, unsigned int reference)
     case 7U: place = &inputs->pressure_low; break;
     default:
         if (reference < UNIT_LOAD_FORCE) {
-            place = &inputs->converter[reference - 8U];
+            place = &inputs->converter[reference - UNIT_CONVERTER];
         }
         break;
     }

@@ -8,15 +8,16 @@
 #include "unit_token.h"
 
 /* Value references, as in modelDescription.xml */
-#define UNIT_LOAD_FORCE 12U /* below it: the twelve members of mptune_inputs, in order */
-#define UNIT_FORCE_REFERENCE 13U
-#define UNIT_STATE_A 14U
-#define UNIT_STATE_B 15U
-#define UNIT_FAULT 16U
-#define UNIT_STOPPED 17U
-#define UNIT_DECIDED 18U
-#define UNIT_VALVE 19U /* to UNIT_TIME - 1: the 24 valves, side A first */
-#define UNIT_TIME 43U  /* the independent variable of FMI 3.0 */
+#define UNIT_CONVERTER 8U /* below it: the scalar members of mptune_inputs, in order */
+#define UNIT_LOAD_FORCE (UNIT_CONVERTER + MPTUNE_CONVERTERS)
+#define UNIT_FORCE_REFERENCE (UNIT_LOAD_FORCE + 1U)
+#define UNIT_STATE_A (UNIT_LOAD_FORCE + 2U)
+#define UNIT_STATE_B (UNIT_LOAD_FORCE + 3U)
+#define UNIT_FAULT (UNIT_LOAD_FORCE + 4U)
+#define UNIT_STOPPED (UNIT_LOAD_FORCE + 5U)
+#define UNIT_DECIDED (UNIT_LOAD_FORCE + 6U)
+#define UNIT_VALVE (UNIT_LOAD_FORCE + 7U) /* to UNIT_TIME - 1: all valves, side A first */
+#define UNIT_TIME (UNIT_VALVE + 2U * MPTUNE_VALVES) /* the independent variable of FMI 3.0 */
 
 /* All that changes: a copy of it is the state of the unit. */
 typedef struct {

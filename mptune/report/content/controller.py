@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from mptune.params.pack import pack_gains
+from mptune.params.valve_states import valve_states
 from mptune.report.blocks import (
     Chapter,
     Heading,
@@ -24,6 +25,7 @@ from mptune.units import shown
 
 if TYPE_CHECKING:
     from mptune.params.controller import Controller
+    from mptune.params.study import Study
     from mptune.report.results import Results
 
 _COEFFICIENTS = {
@@ -56,6 +58,7 @@ def controller(results: Results) -> Chapter:
         "The controller",
         Prose("Velocity controller, position controller, and what reaches the force controller:"),
         equations("eq18 eq22", "fref"),
+        _search_space(results.study.study),
         *Tabular("Continuous, SI", columns, gains).titled(),
         Heading(f"Discrete: Tustin's approximation at T_S = {period}"),
         equations("tustin"),
@@ -67,6 +70,15 @@ def controller(results: Results) -> Chapter:
         ),
         equations("eq23"),
         new_page=True,
+    )
+
+
+def _search_space(study: Study) -> Prose:
+    states = len(valve_states(study.edge_rule))
+    lines, valves = len(study.edge_rule.sizes), study.edge_rule.valves
+    return Prose(
+        f"The force controller chooses among {states} states of each side, made by {valves} valves "
+        f"to {lines} lines: {states**2} combinations in each decision (Eq. 6)."
     )
 
 

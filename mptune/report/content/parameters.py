@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from mptune.loops.family import derived_time_constants
@@ -57,7 +58,7 @@ def _sections(study: ResolvedStudy) -> Iterator[Block]:
                 Cell(study.study.source_of(f"{prefix}.{key}") or "this study", "small"),
             ]
             for key, unit, mark, meaning in part.quantities()
-            if getattr(part, key) is not None
+            if _is_given(getattr(part, key))
         ]
         if isinstance(part, Requirements):
             rows = [*_ratios(part, study), *rows, *_bounds(part, study)]
@@ -104,6 +105,11 @@ def _moves(study: ResolvedStudy) -> Tabular:
     columns = [*left("Move", "Shape"), *right("Distance", "Time", "Rest", "Peak velocity")]
     legend = study.study.source_of("manoeuvre.distance")
     return Tabular("manoeuvre", columns, rows, legend=legend)
+
+
+def _is_given(value: object) -> bool:
+    """Return whether a value says something: supplies have none of what no line needs."""
+    return value is not None and not (isinstance(value, float) and not math.isfinite(value))
 
 
 def ledger(_results: Results | None = None) -> Chapter:

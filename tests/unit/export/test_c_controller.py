@@ -10,7 +10,7 @@ import target
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from recording import first_case, record_case
-from target import EXACT, REPLAY, Controller, any_compiler, compile_c, replay
+from target import EXACT, REPLAY, STRICT, Controller, any_compiler, compile_c, replay
 
 from mptune.export.formats import Precision
 from mptune.verify.verify import run_case
@@ -97,6 +97,18 @@ def test_estimator_and_feed_forward_are_the_same_too(estimated_study, prepared, 
     program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
     found, _ = replay(program, recording, tmp_path)
     same_decisions(found, recording)
+
+
+@pytest.mark.parametrize("name", ["three-pressure", "digital-valve", "mixed"])
+def test_machines_of_other_sizes_are_the_same_to_the_last_bit(load_shape, name, tmp_path):
+    study = load_shape(name, MOVES)
+    target.write_sources(study, tmp_path / "c")
+    recording = record_case(study, first_case(study, 49000.0))
+    flags = (*STRICT, *EXACT)
+    program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *flags, extra=[REPLAY])
+    found, _ = replay(program, recording, tmp_path)
+    same_decisions(found, recording)
+    assert len(np.unique(recording.decisions[:, rec.STATE_A])) > 5
 
 
 @pytest.mark.parametrize("name", DECISIONS)

@@ -7,10 +7,12 @@ from deciding import chosen, costs_ahead, first_costs, states
 from mptune.force.cost import side_costs
 from mptune.force.dynamic import look_ahead
 from mptune.force.horizon import _row, cheapest_pairs, counted, least_pair
-from mptune.force.ports import COMMON, COST, FORCE, PRESSURE, ROW, STATES, ports_of
+from mptune.force.ports import COMMON, COST, FORCE, PRESSURE, ROW, ports_of
 from mptune.force.search_space import search_space
 from mptune.force.select import decide
 from mptune.params.pack import pack_force
+
+STATES = 28  # of one side of the paper's machine
 
 HUBER = 'controller.error="huber"'
 PATH = 'controller.loss="path"'

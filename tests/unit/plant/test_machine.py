@@ -4,18 +4,20 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from opened import opened
 from scipy.integrate import solve_ivp
 
 from mptune.force.search_space import search_space
+from mptune.params.line_table import paper_table
 from mptune.params.pack import pack_gains, pack_machine
 from mptune.params.packed import NO_TABLE
 from mptune.plant import machine as plant
 from mptune.plant.piston import burden_at
 from mptune.plant.supplies import accumulator_pressure, oil_at_pressure
-from mptune.plant.valve import open_valves
 from mptune.sim.integrator import integrate, new_work
 from mptune.verify.verify import new_memory
 
+STATES = plant.CONVERTER + 4  # of the paper's machine
 TICK = 5e-4
 IN = [plant.ACCUMULATOR, plant.TANK]
 OUT = [plant.PISTON, plant.THROTTLING, plant.CONVERTER_FRICTION, plant.COMPRESSION]
@@ -27,11 +29,15 @@ def machine(boom):
 
 
 def evaluate(state, open_a, open_b, machine, pumping=0.0):
-    slope, power = np.empty(plant.STATES), np.empty(plant.ENERGIES)
+    lines = opened(paper_table(machine.low_pressure), open_a, open_b)
+    return evaluate_with(state, lines, machine, pumping)
+
+
+def evaluate_with(state, lines, machine, pumping=0.0):
+    slope, power = np.empty(STATES), np.empty(plant.ENERGIES)
     plant.rates(
         state,
-        open_a,
-        open_b,
+        lines,
         pumping,
         machine,
         burden_at(state[0], machine, NO_TABLE),
@@ -42,11 +48,11 @@ def evaluate(state, open_a, open_b, machine, pumping=0.0):
 
 
 def random_state(random, machine, spread=1.0):
-    state = np.zeros(plant.STATES)
+    state = np.zeros(STATES)
     state[plant.X] = random.uniform(0.03, 0.27)
     state[plant.V] = random.uniform(-0.1, 0.1)
     state[2:4] = random.uniform(2e6, 14e6, 2)
-    state[4:8] = spread * random.uniform(-0.076, 0.076, 4)
+    state[5:9] = spread * random.uniform(-0.076, 0.076, 4)
     state[plant.OIL] = oil_at_pressure(random.uniform(11e6, 16e6), machine)
     return state
 
@@ -80,7 +86,7 @@ def test_powers_agree_with_the_state_s_own_rates(machine, seed):
     assert power[plant.PISTON] == pytest.approx(force * state[plant.V], abs=1e-9)
     for converter in range(4):
         if openings[:, converter + 1].sum() == 0:
-            assert slope[4 + converter] == 0
+            assert slope[plant.CONVERTER + converter] == 0
 
 
 def test_with_all_valves_shut_only_the_trapped_oil_moves(machine):
@@ -88,7 +94,7 @@ def test_with_all_valves_shut_only_the_trapped_oil_moves(machine):
     for _ in range(20):
         state = random_state(random, machine)
         slope, power = evaluate(state, np.zeros(6), np.zeros(6), machine)
-        np.testing.assert_array_equal(slope[4:8], 0)
+        np.testing.assert_array_equal(slope[5:9], 0)
         assert power[plant.THROTTLING] == power[plant.ACCUMULATOR] == 0
         assert np.sign(slope[2]) == -np.sign(state[plant.V]) == -np.sign(slope[3])
 
@@ -97,16 +103,16 @@ def test_a_full_converter_lets_nothing_in_and_oil_out(machine):
     """Supply 3 (6.8 MPa) against chambers above it, then below it."""
     open_a = np.array([0, 0, 1.0, 0, 0, 0])
     for pressure, moves in ((9e6, False), (4e6, True)):
-        state = np.zeros(plant.STATES)
-        state[[0, 2, 3, 5]] = 0.15, pressure, pressure, machine.converter_travel
+        state = np.zeros(STATES)
+        state[[0, 2, 3, 6]] = 0.15, pressure, pressure, machine.converter_travel
         state[plant.OIL] = oil_at_pressure(14e6, machine)
         slope, _ = evaluate(state, open_a, np.zeros(6), machine)
-        print(f"chamber at {pressure / 1e6:g} MPa: full converter moves {slope[5]:.2e} m/s")
-        assert slope[5] < -0.01 if moves else abs(slope[5]) < 1e-6
+        print(f"chamber at {pressure / 1e6:g} MPa: full converter moves {slope[6]:.2e} m/s")
+        assert slope[6] < -0.01 if moves else abs(slope[6]) < 1e-6
 
 
 def test_pressure_does_not_fall_below_zero(machine):
-    state = np.zeros(plant.STATES)
+    state = np.zeros(STATES)
     state[[0, 1, 3]] = 0.15, 0.1, 5e6
     state[plant.OIL] = oil_at_pressure(14e6, machine)
     slope, _ = evaluate(state, np.zeros(6), np.zeros(6), machine)
@@ -117,7 +123,7 @@ def test_pressure_does_not_fall_below_zero(machine):
 
 
 def test_pump_fills_the_accumulator_and_the_relief_valve_empties_it(machine):
-    state = np.zeros(plant.STATES)
+    state = np.zeros(STATES)
     state[[0, 2, 3]] = 0.15, 5e6, 5e6
     shut = np.zeros(6), np.zeros(6)
     state[plant.OIL] = oil_at_pressure(14.5e6, machine)
@@ -139,18 +145,23 @@ def test_the_mirrored_machine_moves_alike(machine):
     )
     for _ in range(50):
         state, openings = random_state(random, machine), random_openings(random)
-        mirror = state[[0, 1, 3, 2, 4, 5, 6, 7, 8]]
+        mirror = state[[0, 1, 3, 2, *range(4, 9)]]
         mirror[0], mirror[1] = one.stroke - state[0], -state[1]
         slope, power = evaluate(state, *openings, one)
         found, mirrored = evaluate(mirror, *openings[::-1], other)
-        expected = slope[[0, 1, 3, 2, 4, 5, 6, 7, 8]] * [-1, -1, 1, 1, 1, 1, 1, 1, 1]
+        expected = slope[[0, 1, 3, 2, *range(4, 9)]] * [-1, -1, 1, 1, 1, 1, 1, 1, 1]
         np.testing.assert_allclose(found, expected, rtol=1e-6, atol=1e-9)
         np.testing.assert_allclose(mirrored, power, rtol=1e-6, atol=1e-2)
 
 
+def room(memory, machine):
+    space = search_space(lines=paper_table(machine.low_pressure))
+    return new_work(memory.valves, space.lines, space.edge, len(memory.state))
+
+
 def simulate(memory, machine, ticks):
     """Integrate as the closed loop does, calm rule and all."""
-    work = new_work(memory.valves)
+    work = room(memory, machine)
     for tick in range(ticks):
         advance(memory, machine, tick, work)
 
@@ -162,7 +173,7 @@ def advance(memory, machine, tick, work):
 
 def settled(boom, machine, state, states):
     memory, space = new_memory(boom, machine, pack_gains(boom.study.gains), 0.15), search_space()
-    memory.state[: plant.STATES] = state
+    memory.state[:STATES] = state
     opening = np.concatenate([space.valves[i] for i in states]).astype(float)
     for array in (memory.valves.opening, memory.valves.target, memory.valves.commanded):
         array[:] = opening
@@ -170,14 +181,13 @@ def settled(boom, machine, state, states):
 
 
 def solver(memory, machine, span):
-    open_a, open_b = np.empty(6), np.empty(6)
-    open_valves(memory.valves, open_a, open_b)
-    scale = np.array([1, 1, 1e6, 1e6, 1, 1, 1, 1, 1e-3])
+    lines = room(memory, machine).start
+    scale = np.array([1, 1, 1e6, 1e6, 1e-3, 1, 1, 1, 1])
 
     def slope(_, y):
-        return evaluate(y * scale, open_a, open_b, machine)[0] / scale
+        return evaluate_with(y * scale, lines, machine)[0] / scale
 
-    start = memory.state[: plant.STATES] / scale
+    start = memory.state[:STATES] / scale
     found = solve_ivp(slope, (0, span), start, "LSODA", rtol=1e-10, atol=1e-11)
     return found.y[:, -1] * scale
 
@@ -217,7 +227,7 @@ def test_kinetic_energy_is_what_the_piston_s_work_leaves(boom, machine):
     """Piston work less friction and load, from the trajectory, is the change of m v²/2."""
     random = np.random.default_rng(6)
     memory = settled(boom, machine, random_state(random, machine, 0.5), (5, 2))
-    before, work = memory.state.copy(), new_work(memory.valves)
+    before, work = memory.state.copy(), room(memory, machine)
     lost = 0.0
     for tick in range(20):
         v = memory.state[1]
@@ -228,8 +238,8 @@ def test_kinetic_energy_is_what_the_piston_s_work_leaves(boom, machine):
     print(f"work {memory.energy[plant.PISTON]:.3f} J, gained {gained:.3f} J, lost {lost:.3f} J")
     assert memory.energy[plant.PISTON] == pytest.approx(gained + lost, rel=1e-3)
     # The accumulator's share is p dV of its own oil.
-    ends = [accumulator_pressure(state[8], machine) for state in (before, memory.state)]
-    given = (before[8] - memory.state[8]) * np.mean(ends)
+    ends = [accumulator_pressure(state[plant.OIL], machine) for state in (before, memory.state)]
+    given = (before[plant.OIL] - memory.state[plant.OIL]) * np.mean(ends)
     assert memory.energy[plant.ACCUMULATOR] == pytest.approx(given, rel=1e-3)
 
 
@@ -238,9 +248,15 @@ def test_compiled_rates_equal_interpreted_ones(machine):
     random = np.random.default_rng(9)
     for _ in range(30):
         state, openings = random_state(random, machine), random_openings(random)
-        slope, power = np.empty(plant.STATES), np.empty(plant.ENERGIES)
+        slope, power = np.empty(STATES), np.empty(plant.ENERGIES)
         plant.rates.py_func(
-            state, *openings, 1.0, machine, burden_at(state[0], machine, NO_TABLE), slope, power
+            state,
+            opened(paper_table(machine.low_pressure), *openings),
+            1.0,
+            machine,
+            burden_at(state[0], machine, NO_TABLE),
+            slope,
+            power,
         )
         found = evaluate(state, *openings, machine, 1.0)
         np.testing.assert_allclose(found[0], slope, rtol=1e-9, atol=1e-12)

@@ -8,9 +8,16 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.optimize import brentq
 
+from mptune.params.line_table import paper_table
 from mptune.params.pack import pack_machine
+from mptune.params.packed import BASE, SHARE
 from mptune.plant.flow import orifice
-from mptune.plant.supplies import accumulator_pressure, oil_at_pressure, port_pressure, share
+from mptune.plant.supplies import (
+    accumulator_pressure,
+    line_pressure,
+    oil_at_pressure,
+    port_pressure,
+)
 
 FRICTION_FLOW = 2e-6  # m³/s
 pressures = st.floats(0.0, 17e6)
@@ -53,7 +60,8 @@ def test_compression_is_polytropic(machine):
 
 def test_shares_reproduce_eq_13():
     low, high = 2e6, 14e6
-    found = [low + share(i) * (high - low) for i in range(6)]
+    table = paper_table(low)
+    found = [line_pressure(table[BASE, i], table[SHARE, i], high) for i in range(6)]
     assert found == pytest.approx([2e6, 4.4e6, 6.8e6, 9.2e6, 11.6e6, 14e6], rel=1e-15)
 
 

@@ -4,7 +4,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from opened import opened
 
+from mptune.force.search_space import search_space
+from mptune.params.packed import OPEN_A, OPEN_B, SHARE
 from mptune.plant.valve import PENDING, advance, command, open_valves, quiet, shut_valves
 
 RAMP = 2e-3
@@ -97,10 +100,12 @@ def test_only_changes_count_as_switches():
 def test_two_valves_of_a_supply_add_up_on_their_own_side():
     valves = shut_valves()
     valves.opening[[4, 5, 6, 12 + 10]] = 1, 0.5, 0.25, 1
-    open_a, open_b = np.empty(6), np.empty(6)
-    open_valves(valves, open_a, open_b)
-    assert open_a.tolist() == [0, 0, 1.5, 0.25, 0, 0]
-    assert open_b.tolist() == [0, 0, 0, 0, 0, 1]
+    space = search_space()
+    table = opened(space.lines, 1.0, 1.0)  # all of another instant
+    open_valves(valves, space.edge, space.lines, table)
+    assert table[OPEN_A, :4].tolist() == [1.5, 0.25, 0, 0]
+    assert table[OPEN_B, :4].tolist() == [0, 0, 1, 0]
+    assert table[SHARE, :3].tolist() == [2 / 5, 3 / 5, 1]
 
 
 def test_a_valve_ends_where_it_was_last_commanded_however_many_commands_are_pending():

@@ -23,7 +23,7 @@ def machine(boom):
 @pytest.fixture
 def trace(machine):
     """Two seconds at mid-stroke, 1 mm behind the reference but for the ends of both rests."""
-    rows = np.zeros((4000, loop.COLUMNS))
+    rows = np.zeros((4000, loop.CONVERTER_1 + 4))
     rows[:, loop.POSITION], rows[:, loop.X_REF] = 0.15, 0.151
     rows[[1999, 3999], loop.X_REF] = 0.1503, 0.1496
     rows[:, loop.VELOCITY] = 0.1

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
+from opened import opened
 
+from mptune.params.line_table import paper_table
 from mptune.params.pack import pack_machine
 from mptune.params.packed import NO_TABLE
 from mptune.plant import machine as plant
@@ -18,14 +20,15 @@ from mptune.systems.cylinder import piston_rates, two_chambers
 def test_two_chambers_move_as_this_machine_does(boom, velocity):
     machine = pack_machine(boom, 49e3, 1.2e9, 9700.0)
     burden = burden_at(0.12, machine, NO_TABLE)
-    own = np.zeros(plant.STATES)
+    own = np.zeros(plant.states_of(machine))
     own[plant.X], own[plant.V] = 0.12, velocity
     own[plant.PRESSURE_A], own[plant.PRESSURE_B] = 6e6, 5e6
     own[plant.OIL] = oil_at_pressure(14.5e6, machine)
     opened_a, opened_b = np.zeros(6), np.zeros(6)
     opened_a[5], opened_b[0] = 1.0, 2.0  # both supplies that have no converter
-    slope, power = np.zeros(plant.STATES), np.zeros(plant.ENERGIES)
-    plant.rates(own, opened_a, opened_b, 0.0, machine, burden, slope, power)
+    slope, power = np.zeros(len(own)), np.zeros(plant.ENERGIES)
+    lines = opened(paper_table(machine.low_pressure), opened_a, opened_b)
+    plant.rates(own, lines, 0.0, machine, burden, slope, power)
 
     flow = machine.flow_coefficient * np.array([np.sqrt(8.5e6), -2 * np.sqrt(3e6)])
     state = np.zeros(cylinder.PRESSURE + 2)

@@ -1,0 +1,74 @@
+"""The valve states of one side as their rule makes them (§2.3.1): which valves are open in each."""
+
+from __future__ import annotations
+
+from enum import StrEnum
+from typing import TYPE_CHECKING, NamedTuple
+
+if TYPE_CHECKING:
+    from collections.abc import Iterator, Sequence
+
+ValveSet = dict[int, tuple[int, ...]]
+"""The open valves of each line that is connected."""
+
+
+class StateKind(StrEnum):
+    """Valve states of one side beside the closed one, in the order of their numbers (Eq. 6)."""
+
+    ALL = "all"  # every valve of one line
+    SINGLE = "single"  # the first valve of one line
+    SUBSETS = "subsets"  # every choice among one line's valves
+    CROSSFLOW = "crossflow"  # neighbouring lines: first and first, all and first, first and all
+
+
+class EdgeRule(NamedTuple):
+    """The valves of every line, and which states of them there are; the same for both chambers."""
+
+    sizes: tuple[tuple[float, ...], ...]  # (L,) of each line's parallel valves, in K_v
+    states: tuple[StateKind, ...]
+
+    @property
+    def valves(self) -> int:
+        """Valves of one side."""
+        return sum(map(len, self.sizes))
+
+
+def valve_states(rule: EdgeRule) -> list[ValveSet]:
+    """Return the states of one side, the closed one first, then kind by kind."""
+    return [state for kind in states_by_kind(rule) for state in kind]
+
+
+def states_by_kind(rule: EdgeRule) -> list[list[ValveSet]]:
+    """Return the closed state, then those of each kind; what an earlier kind has is left out."""
+    found: list[list[ValveSet]] = [[{}]]
+    met: set[tuple[tuple[int, tuple[int, ...]], ...]] = {()}
+    for kind in rule.states:
+        found.append([])
+        for state in _states_of(kind, rule.sizes):
+            key = tuple(sorted(state.items()))
+            if key not in met:
+                met.add(key)
+                found[-1].append(state)
+    return found
+
+
+def _states_of(kind: StateKind, sizes: Sequence[Sequence[float]]) -> Iterator[ValveSet]:
+    every: list[tuple[int, ...]]
+    every = [tuple(range(len(parallel))) for parallel in sizes]
+    pairs = [(low, low + 1) for low in range(len(sizes) - 1)]
+    if kind is StateKind.ALL:
+        for line, valves in enumerate(every):
+            yield {line: valves}
+    elif kind is StateKind.SINGLE:
+        for line in range(len(sizes)):
+            yield {line: (0,)}
+    elif kind is StateKind.SUBSETS:
+        for line, valves in enumerate(every):
+            for number in range(1, 2 ** len(valves)):
+                yield {line: tuple(k for k in valves if number >> k & 1)}
+    else:
+        for low, high in pairs:
+            yield {low: (0,), high: (0,)}
+        for low, high in pairs:
+            yield {low: every[low], high: (0,)}
+            yield {low: (0,), high: every[high]}
