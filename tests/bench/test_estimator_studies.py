@@ -75,7 +75,7 @@ def test_a_study_tracks_as_it_says(root, label):
 
 @pytest.mark.parametrize("name", ["boom-estimator", "boom-estimator-robust"])
 def test_the_margins_are_certified_as_it_runs(root, name):
-    """Every requirement on a margin is proved over the box, though not always to the last percent."""
+    """Every margin asked for is proved over the box, if not always to the last percent."""
     swept = sweep(loaded(root, name))
     for check in swept.checks:
         print(f"\n{name}: {check.key} {check.limit}: {check.found:.5g}, {check.status}", end="")
