@@ -40,6 +40,7 @@ def index_over_margin(rows: Sequence[dict[str, Any]]) -> Figure:
         soft.set_ylabel("Peak compliance [mm/kN]")
         for axes in (index, noise, soft):
             axes.set(xlabel="Disk margin [–]")
+            axes.margins(0.08)
             axes.set_ylim(bottom=0)
         legend_below(figure, index)
     return figure
