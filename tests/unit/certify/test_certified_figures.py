@@ -73,7 +73,7 @@ def test_eq_23_and_eq_22(forms, kind, omega, share):
         return (5 + 3 * z + z**2 - z**3 - 3 * z**4 - 5 * z**5) / (35 * time) / (1j * at)
 
     assert_encloses(aliases.differentiator(form, omega, half), exact_23, omega, half)
-    first, law = figures._shape(form, omega, half)
+    first, law = figures.shape_of(form, omega, half)
     order = 2 if form.gains.k_i_pos else 1 if form.gains.k_p_pos else 0
 
     def exact_first(at):
