@@ -45,8 +45,9 @@ def studies_apart(rows: Sequence[dict[str, Any]]) -> Figure:
                 mine = [one for one in drawn if one["study"] == name and one["mass_kg"] == mass]
                 _study(axes, mine, name, number)
             axes.set(title=f"{mass / 1e3:g} t", xlabel=f"{_INDEX.axis}\npredicted")
-            axes.set_xlim(left=0)
-            axes.set_ylim(bottom=0)
+            axes.margins(0.08)
+        panels[0].set_xlim(0, panels[0].get_xlim()[1])  # shared, and so of what all panels hold
+        panels[0].set_ylim(0, panels[0].get_ylim()[1])
         panels[0].set_ylabel(f"{_LOSS.axis}\ncalibrated")
         legend_below(figure, *panels, columns=3)
     return figure

@@ -66,6 +66,7 @@ def test_the_figure_has_a_panel_per_mass_and_says_what_is_calibrated():
     marked = [line for line in panels[0].lines if line.get_marker() == "o"]
     assert [tuple(line.get_xydata()[0]) for line in marked] == [(2.7, 14.2)]
     assert marked[0].get_markerfacecolor() == marked[0].get_color()
+    assert all(axes.get_xlim()[1] > 33.7 and axes.get_ylim()[1] > 19.5 for axes in panels)
     own = studies_apart([{**ROW, "gains": "own"}]).axes[0]
     assert [line.get_markerfacecolor() for line in own.lines if line.get_marker() == "o"] == [
         "white"
