@@ -7,10 +7,16 @@ PIP := $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 STAMP := $(VENV)/.installed
 STUDY ?= studies/boom/study.toml
 
-.PHONY: run test test-all bench fuzz format setup coverage mutants lock lowest dist dist-check docs
+.PHONY: run studies test test-all bench fuzz format setup coverage mutants lock lowest dist dist-check docs
 
 run: setup
 	$(BIN)/mptune run $(STUDY)
+
+# The paper's study and those that follow it, each as `run` does it, in one table and one figure
+# beside what the paper measured: reports/studies.md and .svg.
+STUDIES ?= boom boom-2dof boom-estimator boom-adaptive
+studies: setup
+	$(BIN)/mptune studies $(STUDIES:%=studies/%/study.toml)
 
 test: setup
 	$(BIN)/ruff format --check .

@@ -18,8 +18,11 @@ from mptune.certify.form import (
     form_of,
     scale_of,
 )
+from mptune.certify.problem import edges_of
 from mptune.certify.proof import Proof
 from mptune.certify.result import Bound
+from mptune.certify.sampled import ESTIMATED_TERMS
+from mptune.certify.search import PROVED
 from mptune.certify.stability import corner_verdict, point_of, witness_near
 from mptune.loops.broken import POSITION, SAMPLED
 
@@ -104,6 +107,36 @@ def bound(
         scale = scale_of(form)
         found = replace(found, attained=scale * attained, bound=scale * proved * (1 + 1e-15))
     return found if known else replace(found, closed=False)
+
+
+def aimed(problem: BoxedLoop, found: Bound, limit: float, *, budget: int = BUDGET) -> Bound:
+    """Return a bound whose guaranteed value is a limit, where that is proved; else as it was.
+
+    Around a state estimator what folds leave out keeps attained and guaranteed value apart, and a
+    guaranteed value is one of few that were tried. Whether a limit between them holds is a question
+    of its own, and one proof.
+
+    Parameters
+    ----------
+    problem, found
+        The box and the loop, and what ``bound`` found of it.
+    limit
+        The largest value that is asked about, for a disk margin the smallest.
+    budget
+        Boxes to try at most.
+    """
+    problem = problem.along(found.path)
+    form = form_of(problem, found.loop, found.path, found.figure)
+    if form.loop != SAMPLED or form.path.estimator_mass == 0 or not math.isfinite(found.bound):
+        return found
+    sought = 1 / limit if found.figure == "disk_margin" else limit
+    if form.figure == COMPLIANCE:
+        sought /= scale_of(form)
+    edges = edges_of(problem, (0.0, math.pi / form.period))
+    proof = Proof(form, curve_of(1.0), edges, ESTIMATED_TERMS)
+    proved = proof.run(sought * (1 - 1e-12), budget) == PROVED  # less than any rounding of it
+    bounded = limit if proved else found.bound
+    return replace(found, bound=bounded, boxes=found.boxes + proof.boxes)
 
 
 def _no_loop(form: Form) -> bool:

@@ -64,6 +64,21 @@ def gain_margin(problem: BoxedLoop, path: str, tolerance: float, budget: int) ->
     return Bracket(lower, upper, at, upper <= (1 + tolerance) * lower, boxes)
 
 
+def bears(problem: BoxedLoop, path: str, factor: float, budget: int) -> bool:
+    """Return whether it is proved that no plant turns unstable as its gain rises by a factor.
+
+    Parameters
+    ----------
+    problem, path
+        As of ``gain_margin``.
+    factor
+        The factor, above 1.
+    budget
+        Boxes to try at most.
+    """
+    return _proved(problem.along(path), path, factor, budget)[0] == PROVED
+
+
 def _proved(problem: BoxedLoop, path: str, factor: float, budget: int) -> tuple[int, Point, int]:
     """Try to prove that no gain up to a factor makes a plant unstable; return where that ended."""
     louder = replace(problem, gains=_scaled(problem, factor))

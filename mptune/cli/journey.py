@@ -8,7 +8,8 @@ from typer.core import TyperGroup
 
 ORDER = (
     *("new", "run", "sweep", "tune", "verify", "compare", "explore"),
-    *("identify", "campaign", "weights", "systems", "export", "warm", "ledger"),
+    *("identify", "campaign", "weights", "systems", "studies"),
+    *("export", "warm", "ledger"),
 )
 
 

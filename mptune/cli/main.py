@@ -38,6 +38,7 @@ from mptune.cli.options import (
 )
 from mptune.cli.run import run
 from mptune.cli.streams import take_streams
+from mptune.cli.studies import studies
 from mptune.cli.systems import systems
 from mptune.cli.tune import tune
 from mptune.cli.weights import weights
@@ -147,6 +148,7 @@ app.command()(campaign)
 app.command()(export)
 app.command()(compare)
 app.command()(systems)
+app.command()(studies)
 app.command()(explore)
 
 

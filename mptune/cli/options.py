@@ -34,6 +34,9 @@ StudyArgument = Annotated[
 SourcesArgument = Annotated[
     list[Path], typer.Argument(parser=a_path, metavar="A B …", help="Gains files and studies.")
 ]
+StudiesArgument = Annotated[
+    list[Path], typer.Argument(parser=a_path, metavar="STUDY …", help="The studies' TOML files.")
+]
 StudyOption = Annotated[
     Path | None,
     typer.Option(

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from mptune.cli.show import sweep
 from mptune.cli.terminal import files, opening, show
 from mptune.report.content.front import gains, tuning
-from mptune.report.content.tradeoff import controllers, points
+from mptune.report.content.tradeoff import controllers, margin_points, points
 
 if TYPE_CHECKING:
     from mptune.job.tune import Tuning
@@ -21,6 +21,8 @@ def whole_tuning(result: Tuning) -> None:
         show(controllers(one.json() for one in result.compared))
     if result.front is not None:
         show(points(result.front.json(), result.front.own.json()))
+    if result.margins:
+        show(margin_points(result.margins))
     files(result.files)
 
 

@@ -29,8 +29,11 @@ def tune(
     ] = False,
     front: Annotated[
         int,
-        typer.Option(min=0, max=50, metavar="N", help="Points of tracking against disturbance."),
+        typer.Option(min=0, max=50, metavar="N", help="Points of a front of tracking."),
     ] = 0,
+    along: Annotated[
+        str, typer.Option(metavar="NAME", help="What it runs along: k_i_pos or disk_margin.")
+    ] = "k_i_pos",
     override: SetOption = None,
     uncertainty: UncertaintyOption = "",
     out: OutOption = OUT,
@@ -46,7 +49,9 @@ def tune(
 
     loaded = load_study(study, override or (), uncertainty)
     with show.progress(quiet=quiet) as report:
-        result = tune_study(loaded, out, report, structure=structure, compare=compare, points=front)
+        result = tune_study(
+            loaded, out, report, structure=structure, compare=compare, points=front, along=along
+        )
     if json:
         show.as_json(with_warnings(result.json(), loaded))
     else:

@@ -35,6 +35,20 @@ class _Point(_KeptRow):
     converged: bool
 
 
+class _MarginFigures(_KeptRow):
+    tracking_index_s: float | None
+    disk_margin: float
+    peak_compliance_m_per_n: float | None
+
+
+class _MarginPoint(_KeptRow):
+    figures: _MarginFigures
+    disk_margin_guaranteed: float | None
+    noise_force_n: float | None
+    performance_index_ms: float | None
+    converged: bool
+
+
 class _Trial(_KeptRow):
     name: str
     reason: str = ""
@@ -65,6 +79,22 @@ class _Run(_KeptRow):
     returned_j_per_mm: float | None
 
 
+class _StudyRow(_KeptRow):
+    study: str
+    gains: Literal["own", "tuned"]
+    mass_kg: float | None
+    stable: bool | None
+    performance_index_ms: float | None
+    energy_loss_j_per_mm: float | None
+    force_error_integral_kn2s: float | None
+    valve_switches: float | None
+    final_error_mm: float | None
+    gain_margin: float | None
+    disk_margin: float | None
+    disk_margin_guaranteed: float | None
+    noise_force_n: float | None
+
+
 _Three = Annotated[list[float | None], Field(min_length=3, max_length=3)]
 
 
@@ -85,12 +115,14 @@ _SHAPES: Final[dict[str, TypeAdapter[Any]]] = {
     "front": TypeAdapter(list[_Point]),
     "weights": TypeAdapter(list[_Trial]),
     "systems": TypeAdapter(list[_SystemsRow]),
+    "margins": TypeAdapter(list[_MarginPoint]),
+    "studies": TypeAdapter(list[_StudyRow]),
 }
 _MOST: Final = 2000  # rows: some ten times what commands keep
 
 
 def checked_rows(name: str, rows: Any) -> tuple[dict[str, Any], ...]:
-    """Return the rows of ``comparison``, ``front``, ``weights`` or ``systems`` as they are.
+    """Return the rows of one of ``comparison``, ``front``, ``margins``, ``weights`` and so on.
 
     Raises
     ------

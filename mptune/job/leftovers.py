@@ -4,8 +4,10 @@
 
     <out>/<study>/comparison.json    the controllers of ``tune --compare``
     <out>/<study>/front.json         the points of ``tune --front``
+    <out>/<study>/margins.json       the points of ``tune --front N --along disk_margin``
     <out>/<study>/weights.json       the recommendation and the front of ``weights``
     <out>/<study>/systems.json       the runs and calibrated values of ``systems``
+    <out>/<study>/studies.json       the rows of ``studies``, this one among others
     <out>/<study>/identification.nc  the panels of ``identify``
 
 Each says for which model it was made. What belongs to another one is not taken. What cannot be
@@ -36,8 +38,10 @@ if TYPE_CHECKING:
 _FIGURES = {
     "comparison": "controllers",
     "front": "front",
+    "margins": "margins",
     "weights": "weights",
     "systems": "systems",
+    "studies": "studies",
 }
 _LARGEST = 4_000_000  # bytes: some hundred times what commands keep
 
@@ -81,6 +85,8 @@ def leftovers(folder: Path, study: ResolvedStudy) -> Leftovers:
         panels,
         figures,
         rows["systems"],
+        rows["studies"],
+        rows["margins"],
         tuple(left_out),
     )
 

@@ -10,6 +10,7 @@ from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
 from mptune.job.leftovers import keep
+from mptune.job.margin_front import margin_front_files
 from mptune.params.gains import write_gains
 from mptune.progress import silent
 from mptune.robust.headline import judge_sweep
@@ -25,6 +26,9 @@ if TYPE_CHECKING:
     from mptune.robust.headline import Judgement
     from mptune.tune.result import TuneResult
 
+ALONG = ("k_i_pos", "disk_margin")
+"""What a front of tracking may run along."""
+
 
 @dataclass(frozen=True)
 class Tuning:
@@ -34,6 +38,7 @@ class Tuning:
     judgement: Judgement
     compared: tuple[Baseline, ...]
     front: Front | None
+    margins: tuple[dict[str, Any], ...]
     files: tuple[Path, ...]
 
     def json(self) -> dict[str, Any]:
@@ -43,6 +48,8 @@ class Tuning:
             values["compared"] = [one.json() for one in self.compared]
         if self.front is not None:
             values["front"] = self.front.json()
+        if self.margins:
+            values["margins"] = list(self.margins)
         return values
 
 
@@ -54,6 +61,7 @@ def tune_study(
     structure: str = "eq22",
     compare: bool = False,
     points: int = 0,
+    along: str = ALONG[0],
 ) -> Tuning:
     """Tune a study, check the gains on the sampled linear loop, and write ``gains.toml``.
 
@@ -66,18 +74,23 @@ def tune_study(
     compare
         Whether to tune P, PI and PID as well.
     points
-        Number of points of the front of tracking against disturbance.
+        Number of points of the front of tracking against what ``along`` names.
+    along
+        One of ``ALONG``: the integral gain, or the disk margin, at which the machine runs too.
 
     Raises
     ------
     InputError
-        If there is no such structure.
+        If there is no such structure or front.
     OutputError
         If results cannot be written.
     """
     if structure not in STRUCTURES:
         remedy = f"choose one of {', '.join(STRUCTURES)}"
         raise InputError("command line", Fault("--structure", structure, "is not known", remedy))
+    if along not in ALONG:
+        remedy = f"choose one of {', '.join(ALONG)}"
+        raise InputError("command line", Fault("--along", along, "is not known", remedy))
     folder = make_folder(Path(out) / study.name)
     progress("tune", 0.0)
     tuned = tune(study, progress, structure=structure)
@@ -90,13 +103,18 @@ def tune_study(
         progress("compare", 0.0)
         compared = baselines(study, tuned, progress)
         files += compared_files(folder, study, compared)
-    found = None
-    if points:
+    found: Front | None = None
+    margins: tuple[dict[str, Any], ...] = ()
+    if points and along == "disk_margin":
+        progress("front", 0.0)
+        rows, more = margin_front_files(study, folder, points, progress)
+        margins, files = tuple(rows), [*files, *more]
+    elif points:
         progress("front", 0.0)
         found = front(study, points, progress)
         files.append(_drawn(folder / "front.svg", found))
         files.append(keep(folder, "front", study, found.json()))
-    return Tuning(tuned, judgement, compared, found, tuple(files))
+    return Tuning(tuned, judgement, compared, found, margins, tuple(files))
 
 
 def compared_files(

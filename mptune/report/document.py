@@ -20,8 +20,9 @@ from mptune.report.content.identification import identification
 from mptune.report.content.loops import gain_chain, inequalities, loop_plots, sensitivities
 from mptune.report.content.papers_frame import papers_frame
 from mptune.report.content.parameters import ledger, parameters
+from mptune.report.content.studies import studies
 from mptune.report.content.systems import systems
-from mptune.report.content.tradeoff import comparison, front
+from mptune.report.content.tradeoff import comparison, front, margins
 from mptune.report.content.weights import weights
 from mptune.report.pdf import pdf
 from mptune.report.web import web_page
@@ -45,8 +46,10 @@ CHAPTERS: tuple[Callable[[Results], Chapter | None], ...] = (
     papers_frame,
     comparison,
     front,
+    margins,
     weights,
     systems,
+    studies,
     identification,
     parameters,
     ledger,

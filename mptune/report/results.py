@@ -39,6 +39,10 @@ class Leftovers:
         The weights of ``weights``: the study's own, the recommended ones, the front.
     systems
         The runs and the calibrated values of ``systems``, as its JSON has them.
+    studies
+        The rows of ``studies``, as its JSON has them.
+    margins
+        The points of ``tune --front N --along disk_margin``, as its JSON has them.
     panels
         Fig. 3's panels of ``identify``.
     figures
@@ -53,6 +57,8 @@ class Leftovers:
     panels: tuple[Panel, ...] = ()
     figures: Mapping[str, bytes] | None = None
     systems: tuple[dict[str, Any], ...] = ()
+    studies: tuple[dict[str, Any], ...] = ()
+    margins: tuple[dict[str, Any], ...] = ()
     left_out: tuple[str, ...] = ()
 
 

@@ -94,12 +94,12 @@ def front(
     progress
         Told of the stage ``"front"``.
     """
-    tracking = _for(study, "tracking")
+    tracking = asking_for(study, "tracking")
     tuner = Tuner(tracking)
     if tuner.blocked:
         return Front((), tuner.figures(tuner.before))
     best = tuner.certified()[1]
-    most = Tuner(_for(study, "disturbance")).certified()[1]
+    most = Tuner(asking_for(study, "disturbance")).certified()[1]
     low, high = best.choice.gains.k_i_pos, most.choice.gains.k_i_pos
     found, last = [best], best
     for n, k_i in enumerate(np.linspace(low, high, count)[1:-1]):
@@ -113,7 +113,7 @@ def front(
     return Front(tuple(points), tuner.figures(tuner.before))
 
 
-def _for(study: ResolvedStudy, kind: str) -> ResolvedStudy:
+def asking_for(study: ResolvedStudy, kind: str) -> ResolvedStudy:
     """Return the study with another objective, on the same loop and with the same freedom."""
     old = study.study.objective
     where = {"tracking_loop": old.tracking_loop, "tracking_plants": old.tracking_plants}

@@ -98,10 +98,49 @@ def points(
     return Tabular("Tracking against disturbance", [*right(*_FIGURES), *left("Search")], rows)
 
 
+def margins(results: Results) -> Chapter | None:
+    """Return the front of tracking against disk margin, where it was run."""
+    if not results.leftovers.margins:
+        return None
+    table = margin_points(results.leftovers.margins)
+    return Chapter.of(
+        table.title,
+        Prose(
+            "The least tracking index for each disk margin asked of F_ref as it runs. Each point "
+            "is a local optimum on the grid, which can only miss worse plants; what the whole box "
+            "keeps for certain stands beside it. Index of the machine: the worst case's mean."
+        ),
+        Figure("What a disk margin costs.", "margins"),
+        table,
+    )
+
+
+def margin_points(found: Iterable[dict[str, Any]]) -> Tabular:
+    """Return the points of the front over disk margins, as JSON has them."""
+    rows: list[Row] = [
+        [
+            _cell(one["figures"]["disk_margin"], 1.0, ".3f"),
+            _cell(one["disk_margin_guaranteed"], 1.0, ".3f"),
+            _cell(one["figures"]["tracking_index_s"], 1e3, ".2f"),
+            _cell(one["performance_index_ms"], 1.0, ".2f"),
+            _cell(one["noise_force_n"], 1.0, ".0f"),
+            _cell(one["figures"]["peak_compliance_m_per_n"], 1e6, ".3f"),
+            "converged" if one["converged"] else "not converged",
+        ]
+        for one in found
+    ]
+    figures = ("Disk margin\ngrid", "guaran-\nteed", "Index\n[ms]", "machine\n[ms]", "Noise\n[N]")
+    columns = [*right(*figures, "Compliance\n[mm/kN]"), *left("Search")]
+    return Tabular("Tracking against disk margin", columns, rows)
+
+
 def _figures(figures: Mapping[str, float | None]) -> list[str]:
     """Return the cells; a dash where a figure is not finite, as of a loop that runs away."""
     cells = []
     for key, factor, form in _FORMS:
-        value = figures[key]
-        cells.append("—" if value is None else f"{factor * value:{form}}")
+        cells.append(_cell(figures[key], factor, form))
     return cells
+
+
+def _cell(value: float | None, factor: float, form: str) -> str:
+    return "—" if value is None else f"{factor * value:{form}}"

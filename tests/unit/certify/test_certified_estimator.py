@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from test_enclosure import quotient, random_box
 
-from mptune.certify.bounds import bound
+from mptune.certify.bounds import aimed, bound
 from mptune.certify.climb import figure_at
 from mptune.certify.enclosure import OMEGA, RATIO, SIDES, TAU_A, TAU_B
 from mptune.certify.form import curve_of, form_of, scale_of
@@ -52,6 +52,17 @@ def test_no_member_is_above_what_is_proved(estimated, path, figure):
     else:
         assert highest * (1 - 1e-9) <= found.attained <= found.bound
         assert found.attained == pytest.approx(highest, rel=0.05)
+
+
+@pytest.mark.parametrize("figure", FIGURES)
+def test_a_limit_between_both_values_is_proved_and_one_that_fails_is_not(estimated, figure):
+    found = bound(estimated, "force_reference", "sampled", figure)
+    inside = found.attained + 0.7 * (found.bound - found.attained)
+    closer = aimed(estimated, found, inside)
+    assert (closer.bound, closer.attained) == (inside, found.attained)
+    assert closer.boxes > found.boxes
+    outside = found.attained - 0.1 * (found.bound - found.attained)
+    assert aimed(estimated, found, outside).bound == found.bound
 
 
 @pytest.mark.parametrize("time", [0.0, 0.05])

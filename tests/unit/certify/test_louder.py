@@ -8,11 +8,13 @@ import numpy as np
 import pytest
 from test_enclosure import evaluate, random_box
 
+from mptune.certify.bounds import BUDGET
 from mptune.certify.clearance import clearance
 from mptune.certify.climb import gain_at
 from mptune.certify.enclosure import GAIN, SIDES, enclose, plant_over
 from mptune.certify.figures import coefficients
 from mptune.certify.form import curve_of, form_of
+from mptune.certify.louder import bears
 from mptune.certify.margins import margin
 from mptune.certify.problem import edges_of, plants_of
 from mptune.certify.rows import row_length
@@ -83,6 +85,12 @@ def test_every_plant_bears_what_is_proved_and_one_fails_above(estimated, path):
     stable, decided = stable_plants(replace(estimated, gains=gains), one, path)
     assert decided[0]
     assert not stable[0]
+
+
+def test_a_factor_below_the_margin_is_borne_and_one_above_is_not(estimated):
+    upper = margin(estimated, "sampled", "gain_margin").upper
+    assert bears(estimated, "sampled", upper / 1.03, BUDGET)
+    assert not bears(estimated, "sampled", 1.01 * upper, BUDGET)
 
 
 def test_what_folds_leave_out_is_no_more_than_said(estimated):

@@ -38,7 +38,7 @@ def test_json_of_a_comparison_and_a_front_holds_the_agreed_keys(tune, tmp_path):
     values = strict(out)
     assert code == (0 if values["verdict"] == "met" else 1), err
     assert {
-        "status", "structure", "gains", "estimator", "feedforward", "gains_before",
+        "status", "structure", "gains", "feedforward", "estimator", "gains_before",
         "velocity_worst_ratio",
         "position_worst_ratio", "satisfied", "objective", "binding", "rounds", "blocking",
         "evaluations", "velocity_gain_limited_by", "compared", "front", "verdict",

@@ -11,6 +11,8 @@ import pytest
 
 from mptune.job.report import LinearPart, results_of
 from mptune.job.run import run
+from mptune.job.studies import rows_of, run_studies
+from mptune.loops.broken import FORCE
 from mptune.params.headline import Headline
 from mptune.params.pack import pack_gains
 from mptune.report.document import write_report
@@ -246,3 +248,25 @@ def test_the_paper_s_own_frame_stands_beside_as_a_comparison(job, text):
     values = job.json()["papers_frame"]
     assert {one["figure"] for one in values["changes"]} >= {"force_error_integral_kn2s"}
     assert values["gains"] != job.json()["tune"]["gains"]
+
+
+def test_studies_stand_in_one_table_and_figure(job, tmp_path, monkeypatch):
+    from mptune.job import studies as job_of_studies
+
+    monkeypatch.setattr(job_of_studies, "run", lambda *_: job)
+    found = run_studies([job.study, job.study], tmp_path)
+    rows = rows_of(job)
+    assert list(found.rows) == [*rows, *rows]
+    assert [(row["gains"], row["mass_kg"]) for row in rows] == [
+        (gains, mass) for gains in ("own", "tuned") for mass in (24500.0, 49000.0)
+    ]
+    for row, machine in zip(rows[2:], job.verified.worst_per_mass(), strict=True):
+        assert row["performance_index_ms"] == machine.figure("performance_index_ms")
+    assert rows[0]["noise_force_n"] == job.published.noise_force
+    assert rows[2]["gain_margin"] == job.tuned.sweep.sampled.worst("gain_margin", FORCE)[0]
+    assert rows[2]["disk_margin_guaranteed"] <= rows[2]["disk_margin"]
+    assert (tmp_path / "studies.md").read_text(encoding="utf-8").count("| boom |") == 8
+    again = results_of(tmp_path, job, LinearPart((), (), {}, b""))
+    assert again.leftovers.studies == found.rows
+    assert "studies" in again.leftovers.figures
+    assert "Studies beside the paper" in written(tmp_path, again)[0]
