@@ -78,7 +78,7 @@ def test_no_text_changes_the_code_of_any_c_file(controllers):
 
 
 DATA = ("study", "ports", "lines", "valves", "switches")
-TYPES = ("parameters", "port", "line", "real")
+TYPES = ("parameters", "port", "line", "real", "choice")
 
 
 @pytest.mark.parametrize("compiler", COMPILERS, ids=lambda one: one[0].rsplit("/", 1)[-1])
