@@ -68,7 +68,8 @@ class Link(Summarised):
     note
         What else is to be said: how many plants are unstable, which machine.
     beside
-        Another reading of the delays, shown beside the others: no verdict rests on it.
+        Shown beside the others, no verdict rests on it: another reading of the delays, or around a
+        state estimator what leaves that out.
     """
 
     name: str
@@ -148,6 +149,8 @@ def chain(result: SweepResult) -> tuple[Link, ...]:
     """
     links = [_inequalities(result)]
     links += [_family_link(_NAMES[family.path], family, result) for family in result.families]
+    if result.model.estimated:  # no velocity loop stands apart: for information
+        links[:2] = [replace(link, beside=True) for link in links[:2]]
     if result.sampled is not None:
         links.append(_family_link("sampled", result.sampled, result))
     return tuple(links)

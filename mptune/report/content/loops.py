@@ -278,6 +278,12 @@ def gain_chain(results: Results) -> Chapter | None:
     if not results.chain:
         return None
     table = gain_factors(results.chain)
+    around = (
+        " Around a state estimator no velocity loop stands apart: Eq. 17 and 21 and the true "
+        "family leave it out and are for information."
+        if results.sweep.model.estimated
+        else ""
+    )
     return Chapter.of(
         table.title,
         Figure(
@@ -291,7 +297,7 @@ def gain_chain(results: Results) -> Chapter | None:
             "verification cases, which are not the family's corners. A finite grid, and on the "
             "machine few movement sets, can only miss what limits sooner: the factors err on the "
             "high side. “Lumped delay”: the delays of Eq. 14 to 21 kept where path and sampling "
-            "are explicit, another reading, on which no verdict rests."
+            f"are explicit, another reading, on which no verdict rests.{around}"
         ),
     )
 

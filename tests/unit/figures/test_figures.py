@@ -11,6 +11,7 @@ from mptune.figures.nyquist import nyquist_plots
 from mptune.figures.panels import four_panels
 from mptune.figures.sensitivity import load_response, sensitivity_functions
 from mptune.figures.style import to_png, to_svg
+from mptune.robust.chain import chain
 from mptune.robust.encirclements import encirclements
 from mptune.robust.sweep import sweep
 from mptune.sim.sampled import linear_moves
@@ -98,3 +99,10 @@ def test_with_a_state_estimator_each_figure_is_of_the_loop_with_it(estimated, dr
     assert not any("measurement path" in word for word in words)
     if drawn in {"bode", "nyquist", "sensitivity"}:
         assert any("with state estimator" in word for word in words)
+
+
+def test_around_a_state_estimator_no_verdict_rests_on_what_leaves_it_out(estimated):
+    beside = {link.name: link.beside for link in chain(estimated)}
+    assert beside == {
+        "Eq. 17 and 21": True, "true family": True, "with state estimator": False, "sampled": False,
+    }  # fmt: skip
