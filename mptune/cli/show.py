@@ -96,7 +96,8 @@ def sweep(result: SweepResult, chain: tuple[Link, ...] = ()) -> None:
     """Print both conditions, the family's margins, the requirements, and the chain at F_ref."""
     from mptune.report.content.certificates import bounds, radii
     from mptune.report.content.front import requirements, warnings
-    from mptune.report.content.loops import conditions, gain_factors, margins
+    from mptune.report.content.gain_chain import gain_factors
+    from mptune.report.content.loops import conditions, margins
 
     opening((), warnings(result))
     show(conditions({"": result}), margins(result))

@@ -9,7 +9,7 @@ from mptune.params.headline import Headline
 from mptune.report.blocks import Tabular, verdict
 from mptune.report.content.closed_loop import machines, movement_sets
 from mptune.report.content.front import NOT_RUN, doubts, front_page, tuning
-from mptune.report.content.loops import factors_text, gain_factors
+from mptune.report.content.gain_chain import factors_text, gain_factors
 from mptune.report.content.papers_frame import machine_table
 from mptune.verify.before_after import in_a_sentence
 

@@ -74,9 +74,11 @@ class HandSetting:
             turned[key] = value
         return replace(self, turned=tuple(sorted(turned.items())))
 
-    def looking(self, **views: str) -> HandSetting:
-        """Return the setting with another plant, loop or path looked at."""
-        return replace(self, **views)  # type: ignore[arg-type]
+    def looking(self, *, plant: str = "", loop: str = "", path: str = "") -> HandSetting:
+        """Return the setting with another plant, loop or path looked at; what is empty stays."""
+        return replace(
+            self, plant=plant or self.plant, loop=loop or self.loop, path=path or self.path
+        )
 
     def published(self) -> HandSetting:
         """Return the setting with everything turned back to what the study says."""

@@ -11,6 +11,7 @@ import os
 import signal
 import threading
 from contextlib import suppress
+from functools import partial
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 if TYPE_CHECKING:
@@ -113,7 +114,7 @@ class Worker:
                 message = WorkerMessage(*pipe.recv())
             except (EOFError, OSError, TypeError):  # closed by us, or ended by somebody else
                 message = WorkerMessage("failed", "the computation was ended from outside")
-            self._tell(lambda message=message: self._pass(number, message, heard))  # type: ignore[misc]
+            self._tell(partial(self._pass, number, message, heard))
             if message.what != "progress":
                 return
 

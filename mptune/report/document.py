@@ -16,8 +16,9 @@ from mptune.report.content.certificates import certificates
 from mptune.report.content.closed_loop import linear_check, nonlinear_machine
 from mptune.report.content.controller import controller
 from mptune.report.content.front import front_page
+from mptune.report.content.gain_chain import gain_chain
 from mptune.report.content.identification import identification
-from mptune.report.content.loops import gain_chain, inequalities, loop_plots, sensitivities
+from mptune.report.content.loops import inequalities, loop_plots, sensitivities
 from mptune.report.content.papers_frame import papers_frame
 from mptune.report.content.parameters import ledger, parameters
 from mptune.report.content.studies import studies

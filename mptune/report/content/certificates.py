@@ -48,7 +48,7 @@ _FAILS = {
     "equation_17": "Eq. 17 reaches 1",
     "equation_21": "Eq. 21 reaches 1",
     "true": "true loop unstable, without path",
-    "with_path": "true loop unstable, with measurement path",
+    "with_path": "true loop unstable, with path",
     "sampled": "loop as it runs unstable",
 }
 _LEGEND = (
