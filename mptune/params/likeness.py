@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any, get_args
 import tomlkit
 
 from mptune.errors import Fault, InputError
-from mptune.files import write_whole
+from mptune.files import make_folder, write_whole
 from mptune.params.format import FORMAT_KEY, STUDY_FORMAT
 from mptune.params.load import load_study, read_layers
 from mptune.params.study import Study
@@ -39,7 +39,7 @@ def write_alike(path: Path, source: Path) -> Path:
     Parameters
     ----------
     path
-        The file to write, in a folder that is there.
+        The file to write, its folder made where there is none.
     source
         The study's file.
 
@@ -59,6 +59,7 @@ def write_alike(path: Path, source: Path) -> Path:
         if (path.parent / name).exists():
             fault = Fault("", "", "exists already", f"move it: {source} has a file of that name")
             raise InputError(path.parent / name, fault)
+    make_folder(path.parent)
     for name, file in copies.items():
         write_whole(path.parent / name, file.read_bytes())
     document = tomlkit.document()

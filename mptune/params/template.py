@@ -42,9 +42,8 @@ def write_template(folder: str | Path, name: str, like: str = "") -> Path:
     if path.exists():
         fault = Fault("", "", "exists already", "choose another name, or edit that file")
         raise InputError(path, fault)
-    source = named_study(like) if like else None
+    if like:
+        return write_alike(path, named_study(like))
     make_folder(path.parent)
-    if source is not None:
-        return write_alike(path, source)
     template = resources.files("mptune.params").joinpath("template.toml").read_text("utf-8")
     return write_whole(path, template)
