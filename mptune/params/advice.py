@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from mptune.params.study import Study
 
 _DIGITS = 2  # of an advised size
+_SAME = 1e-9  # relative: 4.3 ms as a sum is 4.3 ms as it is written
 _DEAREST = 8  # pressure steps, of the largest W_conv
 _LEAN = 0.8  # of the accumulator's least pressure: an advised precharge
 
@@ -39,8 +40,13 @@ def advised(value: float, unit: str, *, up: bool) -> str:
     """Return a size in SI for print, on two digits and no smaller, or no larger, than it is."""
     factor = DISPLAY.get(unit, (1.0, unit))[0]
     digit = 10.0 ** (math.floor(math.log10(value * factor)) + 1 - _DIGITS)
-    whole = (math.ceil if up else math.floor)(value * factor / digit)
+    exact = value * factor / digit
+    whole = math.ceil(exact * (1 - _SAME)) if up else math.floor(exact * (1 + _SAME))
     return shown(whole * digit / factor, unit)
+
+
+def _exceeds(one: float, other: float) -> bool:
+    return one > other * (1 + _SAME)
 
 
 def _accumulator(study: Study) -> Iterator[Doubt]:
@@ -48,7 +54,7 @@ def _accumulator(study: Study) -> Iterator[Doubt]:
     left = sizing.pressure_left(study, most.way)
     allowed = (1 - sizing.SWING) * supplies.pump_on
     empty = left <= supplies.accumulator_precharge
-    if left >= allowed and not empty:
+    if not (_exceeds(allowed, left) or empty):
         return
     precharge, keys, held = supplies.accumulator_precharge, ["supplies.accumulator_volume"], ""
     values = [shown(supplies.accumulator_volume, "m^3")]
@@ -69,7 +75,7 @@ def _accumulator(study: Study) -> Iterator[Doubt]:
 
 def _pump(study: Study) -> Iterator[Doubt]:
     needed, pump = sizing.least_pump(study), study.supplies.pump_flow
-    if pump < needed:
+    if _exceeds(needed, pump):
         yield Doubt(
             ("supplies.pump_flow", "manoeuvre"),
             (shown(pump, "m^3/s"), f"{len(study.manoeuvre)} moves"),
@@ -80,7 +86,7 @@ def _pump(study: Study) -> Iterator[Doubt]:
 
 def _converters(study: Study) -> Iterator[Doubt]:
     supplies, needed = study.supplies, sizing.least_converter(study)
-    if supplies.converter_area * supplies.converter_travel < needed:
+    if _exceeds(needed, supplies.converter_area * supplies.converter_travel):
         area = needed / supplies.converter_travel
         yield Doubt(
             ("supplies.converter_area", "supplies.converter_travel"),
@@ -93,9 +99,9 @@ def _converters(study: Study) -> Iterator[Doubt]:
 
 def _converter_weight(study: Study) -> Iterator[Doubt]:
     weight, (least, most) = study.controller.weight_converter, sizing.converter_weights(study)
-    if least <= weight <= most:
+    small = _exceeds(least, weight)
+    if not (small or _exceeds(weight, most)):
         return
-    small = weight < least
     fault = "does not keep the converters from their ends" if small else "outweighs the force"
     better = advised(least, "N s/m^6", up=True) if small else advised(most, "N s/m^6", up=False)
     yield Doubt(
@@ -115,7 +121,7 @@ def _filters(study: Study) -> Iterator[Doubt]:
     }
     for name, longest in sizing.longest_filters(study).items():
         given = getattr(study.controller, name)
-        if given > longest:
+        if _exceeds(given, longest):
             yield Doubt(
                 (f"controller.{name}", "controller.sampling_period"),
                 (shown(given, "s"), shown(study.controller.sampling_period, "s")),
@@ -126,7 +132,7 @@ def _filters(study: Study) -> Iterator[Doubt]:
 
 def _friction(study: Study) -> Iterator[Doubt]:
     given, most = study.load.friction_static, sizing.most_friction(study)
-    if given > most:
+    if _exceeds(given, most):
         usual = advised(most * sizing.USUAL_FRICTION / sizing.FRICTION_SHARE, "N", up=False)
         yield Doubt(
             ("load.friction_static", "cylinder.bore"),
