@@ -29,9 +29,10 @@ if TYPE_CHECKING:
     from mptune.explore.jobs import CertifiedFigures, TunedSetting
     from mptune.explore.library import Library
     from mptune.explore.setting import Value
+    from mptune.robust.chain import Link
 
 _REST = 300  # ms without an event, after which a slider rests
-_STEPS = 120  # ms, after which the steps follow
+_FOLLOW = 120  # ms, after which lamps and steps follow
 _WAITING = "grid figures; the certified verdict follows when the sliders rest"
 _PREPARING = "preparing; on first use kernels are compiled, which takes a minute"
 
@@ -57,7 +58,7 @@ class Session:
         self._now: Picture | None = None
         self._kept: Picture | None = None
         self._proved: CertifiedFigures | None = None
-        self._stepping = False  # the steps are on their way
+        self._following = False  # lamps and steps are on their way
         self._drawing = False  # a drawing is on its way
         self._broken = False  # what the knobs say is no study
         self._resting: Any = None  # what waits for rest
@@ -189,9 +190,7 @@ class Session:
         self._drawing = False
         view = self.page.view.value
         try:
-            found = picture(
-                self._study, self._shown, loops=view == VIEWS[1], steps=view == VIEWS[0]
-            )
+            found = picture(self._study, self._shown)
         except MptuneError as error:
             self._broken = True
             self.page.message.object = words.said(str(error), wrong=True)
@@ -202,29 +201,27 @@ class Session:
             self.page.verdict.object = words.verdict(None, _WAITING)
         self._now, self._broken = found, False
         with pn.io.hold():
-            self._show(found, view)
+            if view == VIEWS[0]:
+                self.page.sides.show(found, self._kept)
+            elif view == VIEWS[1]:
+                self.page.loops.show(found, self._kept)
+        self._follow_soon()
 
-    def _show(self, found: Picture, view: str) -> None:
-        page, kept = self.page, self._kept
-        if view == VIEWS[0]:
-            page.sides.show(found, kept)
-            self._show_steps_soon()
-        elif view == VIEWS[1]:
-            page.loops.show(found, kept)
-        self._show_lamps()
-
-    def _show_steps_soon(self) -> None:
-        """Let the steps follow both inequalities, some times a second: a browser draws slowly."""
+    def _follow_soon(self) -> None:
+        """Let lamps and steps follow the curves, some times a second: a browser draws slowly."""
         if self._document is None:
-            self._show_steps()
-        elif not self._stepping:
-            self._stepping = True
-            self._document.add_timeout_callback(self._show_steps, _STEPS)
+            self._follow()
+        elif not self._following:
+            self._following = True
+            self._document.add_timeout_callback(self._follow, _FOLLOW)
 
-    def _show_steps(self) -> None:
-        self._stepping = False
-        if self._now is not None and self._now.steps is not None:
-            with pn.io.hold():
+    def _follow(self) -> None:
+        self._following = False
+        if self._now is None or self._broken:
+            return
+        with pn.io.hold():
+            self._show_lamps()
+            if self.page.view.value == VIEWS[0]:
                 self.page.steps.show(self._now, self._kept)
 
     def _show_lamps(self) -> None:
@@ -261,12 +258,16 @@ class Session:
         page, now = self.page, self._now
         page.toml.value = as_toml(now.study, [key for key, _ in self._shown.turned])
         if self._proved is None:
-            page.chain.show(now.chain(), "corners; certified follows")
+            self._show_chain(now.chain(), "corners; certified follows")
             self._slow.certify(
                 self._library.ask(self._shown), lambda found: self._certified(now, found)
             )
         page.settle()
         self._slow.move(self._study, now, self._is_shown)
+
+    def _show_chain(self, links: tuple[Link, ...], grounds: str) -> None:
+        page = self.page
+        page.when_seen(VIEWS[2], "chain", lambda: page.chain.show(links, grounds))
 
     def _is_shown(self, found: Picture) -> bool:
         return self._now is not None and found.study == self._now.study
@@ -276,7 +277,7 @@ class Session:
             return
         self._proved = found
         self.page.verdict.object = words.verdict(found.judgement, "")
-        self.page.chain.show(found.links, "certified")
+        self._show_chain(found.links, "certified")
         self.page.settle()
         self._show_lamps()
 

@@ -35,7 +35,7 @@ class StepsView:
             one.show(time, values)
             reach(one.plot.x_range, 0.0, float(time[-1]))
             reach(one.plot.y_range, max(float(values.min()), -3.0), min(float(values.max()), 3.0))
-            one.keep(*(_step(kept, number) if kept is not None and kept.steps else (None, None)))
+            one.keep(*(_step(kept, number) if kept is not None else (None, None)))
             highest = float(np.abs(values).max())
             if number == 2:
                 self.titles.note(one.plot, f"Load step: up to {highest:.3g} mm/kN (corners)")
@@ -46,7 +46,5 @@ class StepsView:
 
 
 def _step(shown: Picture, number: int) -> tuple[FloatArray, FloatArray]:
-    if shown.steps is None:
-        raise ValueError("a picture without steps")
     found = (shown.steps.velocity, shown.steps.position, shown.steps.load)[number]
     return found.time, found.value * (1e6 if number == 2 else 1.0)
