@@ -258,7 +258,7 @@ class Session:
         page, now = self.page, self._now
         page.toml.value = as_toml(now.study, [key for key, _ in self._shown.turned])
         if self._proved is None:
-            self._show_chain(now.chain(), "corners; certified follows")
+            self._show_chain(now.chain(), "corners, on a grid")
             self._slow.certify(
                 self._library.ask(self._shown), lambda found: self._certified(now, found)
             )

@@ -30,6 +30,8 @@ class StepsView:
 
     def show(self, now: Picture, kept: Picture | None) -> None:
         """Show the steps; their figures are those of the corners."""
+        bare = now.setting.path == "with" and not now.steps.along
+        where = "corners, without path" if bare else "corners"
         for number, one in enumerate(self._sets):
             time, values = _step(now, number)
             one.show(time, values)
@@ -38,11 +40,11 @@ class StepsView:
             one.keep(*(_step(kept, number) if kept is not None else (None, None)))
             highest = float(np.abs(values).max())
             if number == 2:
-                self.titles.note(one.plot, f"Load step: up to {highest:.3g} mm/kN (corners)")
+                self.titles.note(one.plot, f"Load step: up to {highest:.3g} mm/kN ({where})")
             else:
                 name = ("Velocity", "Position")[number]
                 over = max(100 * (float(values.max()) - 1), 0.0)
-                self.titles.note(one.plot, f"{name} step: overshoot up to {over:.0f} % (corners)")
+                self.titles.note(one.plot, f"{name} step: overshoot up to {over:.0f} % ({where})")
 
 
 def _step(shown: Picture, number: int) -> tuple[FloatArray, FloatArray]:
