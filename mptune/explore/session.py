@@ -7,6 +7,7 @@ corners, one move on the machine (in a thread), and the certified verdict (in a 
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -32,7 +33,8 @@ if TYPE_CHECKING:
     from mptune.robust.chain import Link
 
 _REST = 300  # ms without an event, after which a slider rests
-_FOLLOW = 120  # ms, after which lamps and steps follow
+_FOLLOW = 150  # ms without an event, after which lamps and steps follow
+_LATEST = 0.5  # s, after which they follow anyway
 _WAITING = "grid figures; the certified verdict follows when the sliders rest"
 _PREPARING = "preparing; on first use kernels are compiled, which takes a minute"
 
@@ -58,7 +60,8 @@ class Session:
         self._now: Picture | None = None
         self._kept: Picture | None = None
         self._proved: CertifiedFigures | None = None
-        self._following = False  # lamps and steps are on their way
+        self._following: Any = None  # what waits for lamps and steps to follow
+        self._behind_since = 0.0  # when lamps and steps fell behind
         self._drawing = False  # a drawing is on its way
         self._broken = False  # what the knobs say is no study
         self._resting: Any = None  # what waits for rest
@@ -119,6 +122,7 @@ class Session:
             return
         self._shown = self._shown.turn(key, value, self._study)
         self._draw_soon()
+        self._follow_soon()
         self._rest_soon()
 
     def _look(self, name: str, event: Any) -> None:
@@ -208,15 +212,21 @@ class Session:
         self._follow_soon()
 
     def _follow_soon(self) -> None:
-        """Let lamps and steps follow the curves, some times a second: a browser draws slowly."""
+        """Let lamps and steps follow when the hand pauses, or after a while: browsers are slow."""
         if self._document is None:
             self._follow()
-        elif not self._following:
-            self._following = True
-            self._document.add_timeout_callback(self._follow, _FOLLOW)
+            return
+        now = time.monotonic()
+        if self._following is None:
+            self._behind_since = now
+        elif now - self._behind_since > _LATEST:
+            return
+        else:
+            self._document.remove_timeout_callback(self._following)
+        self._following = self._document.add_timeout_callback(self._follow, _FOLLOW)
 
     def _follow(self) -> None:
-        self._following = False
+        self._following = None
         if self._now is None or self._broken:
             return
         with pn.io.hold():
