@@ -7,7 +7,6 @@ corners, one move on the machine (in a thread), and the certified verdict (in a 
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 from functools import partial
 from typing import TYPE_CHECKING, Any
@@ -18,6 +17,7 @@ from mptune.errors import MptuneError
 from mptune.explore import words
 from mptune.explore.history import History
 from mptune.explore.page import VIEWS, Page
+from mptune.explore.pause import WhenPausing
 from mptune.explore.picture import Picture, picture
 from mptune.explore.setting import KIND, HandSetting
 from mptune.explore.slow_work import SlowWork
@@ -60,11 +60,10 @@ class Session:
         self._now: Picture | None = None
         self._kept: Picture | None = None
         self._proved: CertifiedFigures | None = None
-        self._following: Any = None  # what waits for lamps and steps to follow
-        self._behind_since = 0.0  # when lamps and steps fell behind
         self._drawing = False  # a drawing is on its way
         self._broken = False  # what the knobs say is no study
-        self._resting: Any = None  # what waits for rest
+        self._resting = WhenPausing(self._document, self._rest, _REST)
+        self._following = WhenPausing(self._document, self._follow, _FOLLOW, _LATEST)
         self._say_next = ""  # beside the next picture
         self._quiet = False  # widgets are being placed, nobody turned them
         name = setting.study or library.names[0]
@@ -78,7 +77,7 @@ class Session:
         self._draw_soon()
         if self._document is not None:
             self._document.js_on_event("document_ready", self.page.at_first())
-        self._rest_soon()
+        self._resting.soon()
 
     def _first(self, query: str) -> tuple[HandSetting, str]:
         """Return the setting that an address says, or none and what is wrong with it."""
@@ -122,15 +121,15 @@ class Session:
             return
         self._shown = self._shown.turn(key, value, self._study)
         self._draw_soon()
-        self._follow_soon()
-        self._rest_soon()
+        self._following.soon()
+        self._resting.soon()
 
     def _look(self, name: str, event: Any) -> None:
         if not self._quiet:
             self._shown = self._shown.looking(**{name: event.new})
             self._keep_picture()
             self._draw_soon()
-            self._rest_soon()
+            self._resting.soon()
 
     def _choose(self, study: str, uncertainty: str) -> None:
         if self._quiet:
@@ -151,7 +150,7 @@ class Session:
         self._place()
         self._keep_picture()
         self._draw_soon()
-        self._rest_soon()
+        self._resting.soon()
 
     def _keep(self) -> None:
         self._history = self._settled().keeping()
@@ -209,24 +208,12 @@ class Session:
                 self.page.sides.show(found, self._kept)
             elif view == VIEWS[1]:
                 self.page.loops.show(found, self._kept)
-        self._follow_soon()
-
-    def _follow_soon(self) -> None:
-        """Let lamps and steps follow when the hand pauses, or after a while: browsers are slow."""
         if self._document is None:
             self._follow()
-            return
-        now = time.monotonic()
-        if self._following is None:
-            self._behind_since = now
-        elif now - self._behind_since > _LATEST:
-            return
-        else:
-            self._document.remove_timeout_callback(self._following)
-        self._following = self._document.add_timeout_callback(self._follow, _FOLLOW)
+        self._following.soon()
 
     def _follow(self) -> None:
-        self._following = None
+        """Let lamps and steps follow the curves: a browser draws slowly."""
         if self._now is None or self._broken:
             return
         with pn.io.hold():
@@ -243,13 +230,6 @@ class Session:
 
     # At rest.
 
-    def _rest_soon(self) -> None:
-        if self._document is None:
-            return
-        if self._resting is not None:
-            self._document.remove_timeout_callback(self._resting)
-        self._resting = self._document.add_timeout_callback(self._rest, _REST)
-
     def _settled(self) -> History:
         """Enter what is shown into history and address; return the history."""
         self._history = self._history.to(self._shown)
@@ -259,7 +239,6 @@ class Session:
         return self._history
 
     def _rest(self) -> None:
-        self._resting = None
         if self._drawing:
             self._draw()
         if self._now is None or self._broken:
@@ -305,11 +284,11 @@ class Session:
 
     def _save(self, *, over: bool = False) -> None:
         self._settled()
-        self._slow.save(self._library.ask(self._shown), self._rest_soon, over=over)
+        self._slow.save(self._library.ask(self._shown), self._resting.soon, over=over)
 
     def _save_figures(self) -> None:
         self._settled()
-        self._slow.draw(self._library.ask(self._shown), self._out, self._rest_soon)
+        self._slow.draw(self._library.ask(self._shown), self._out, self._resting.soon)
 
     # The end.
 
