@@ -21,7 +21,8 @@ if TYPE_CHECKING:
 SWING: Final = 0.1
 """Of the pump's starting pressure: how far one way may lower it, and the force with it."""
 CONVERTER_RESERVE: Final = 1.25
-"""On what one converter takes. Its piston came to 0.95 to 1.35 of the rule on three machines."""
+"""On what one converter takes. Without it the rule is 1.1 times what pistons do on the simulated
+machines of the paper and of studies/crane, and 0.7 times on that of studies/fast: may err low."""
 FRICTION_SHARE: Final = 0.05
 """Of the piston's force at the highest pressure: what the stiction of seals stays below."""
 USUAL_FRICTION: Final = 0.02
@@ -56,8 +57,8 @@ def lost_force(study: Study, move: Manoeuvre) -> float:
     """Return about what friction and throttling cost per way [N].
 
     Throttling over a whole step between lines on either side: what chambers lose at half a step
-    each while they move, and as much again for switching them. Errs high: of what it gives the
-    paper's machine measures 0.87, the machines of studies/crane and studies/fast 0.8 to 1.
+    each while they move, and as much again for switching them. Errs high: simulated, the paper's
+    machine loses 0.84 to 0.94 of it, those of studies/crane and studies/fast 0.7 to 0.8.
     """
     cylinder, load = study.cylinder, study.load
     throttling = (cylinder.area_a + cylinder.area_b) * pressure_step(study)
@@ -94,7 +95,8 @@ def most_taken(study: Study) -> Taken:
 def pressure_left(study: Study, volume: float) -> float:
     """Return the accumulator's pressure [Pa] after a volume [m³] is taken at p_on, unpumped.
 
-    Down to its precharge, where it is empty. That the pump is off errs low.
+    Down to its precharge, where it is empty. Errs low: with their pumps the paper's machine and
+    those of studies/crane and studies/fast stay about 1 MPa above.
     """
     supplies = study.supplies
     exponent, precharge = supplies.accumulator_exponent, supplies.accumulator_precharge
