@@ -10,6 +10,7 @@ from mptune.params import sizing
 from mptune.params.advice import advice_on, advised
 from mptune.params.bundled import bundled_studies
 from mptune.params.load import load_study
+from mptune.params.template import write_template
 from mptune.units import parse_quantity
 
 LITRE = 1e-3
@@ -184,6 +185,10 @@ def between(text, before, after, unit):
 def test_the_bundled_studies_follow_their_own_advice(name):
     doubts = load_study(bundled_studies()[name]).doubts
     assert [one.keys[0] for one in doubts] == (["uncertainty.delay"] if name == "boom" else [])
+
+
+def test_the_template_follows_it_too(tmp_path):
+    assert load_study(write_template(tmp_path, "mine")).doubts == ()
 
 
 @pytest.mark.parametrize(
