@@ -3,7 +3,7 @@
 The gains come from a search for the least index at each margin, over corners of §5.1's box and
 a few lags between, at no more compliance than published and half the published noise. Here the
 margin is certified over the box, and the machine runs with ``MPTUNE_BENCH_SETS`` movement sets
-that no search has seen. Run with ``make bench``.
+that no search has seen. Run with ``make trials``.
 """
 
 import os
@@ -19,7 +19,7 @@ from mptune.robust.sweep import noises_of
 from mptune.robust.tracking import family_tracking
 from mptune.verify.verify import verify
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 SETS = int(os.environ.get("MPTUNE_BENCH_SETS", "20"))
 POINTS = (  # K_P,vel, K_P, K_I, ω, ξ, τ ms, ω_o, m̂, m_ff kg, preview ms
