@@ -36,21 +36,24 @@ class Outcome(NamedTuple):
 
 
 def run(study, *, tuned=False):
-    """Sweep a study, check it in time, and draw what a report draws of it; tune it where asked."""
+    """Do what ``sweep`` does, check in time, and draw what a report draws; tune where asked."""
+    from mptune.figures.certificates import certified_worst_cases
     from mptune.figures.moves import move_traces
     from mptune.figures.panels import four_panels
     from mptune.figures.sensitivity import load_response, sensitivity_functions
     from mptune.figures.style import to_svg
-    from mptune.robust.chain import chain
-    from mptune.robust.sweep import sweep
+    from mptune.robust.chain import chain, other_reading
+    from mptune.robust.sweep import sweep, with_radii
     from mptune.sim.sampled import linear_moves
     from mptune.tune.tuner import tune
     from mptune.verify.verify import verify
 
-    swept = sweep(study)
+    swept = with_radii(sweep(study))
     chain(swept)
+    other_reading(swept)
     moves = linear_moves(study)
     figures = (four_panels(swept), sensitivity_functions(swept), load_response(swept))
+    figures += (certified_worst_cases(swept),)
     for figure in (*figures, move_traces(moves)):
         to_svg(figure)
     said = study.study
