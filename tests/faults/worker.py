@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import multiprocessing as mp
+import os
 import resource
 import time
 import warnings
@@ -22,7 +23,9 @@ BRIEF = (
     _THERE_AND_BACK,
 )
 _TUNED = {"least", "largest", "two at once"}  # kinds that are tuned as well: a search takes longest
-_PATIENCE = 5  # s by the clock for one of the processor, after which a study hangs
+_PATIENCE = 1.5  # times the longest that a study may take of the processor: then it hangs
+_STANDSTILL = 900.0  # s by the clock, on however busy a machine
+_GLANCE = 1.0  # s
 _FEW = 100_000  # ticks: the nonlinear machine runs as well
 
 
@@ -86,6 +89,22 @@ def _work(pipe, path, extremes):
         pipe.send((words, time.process_time() - begun, grown / 1024))
 
 
+def _spent(process):
+    """Return the time [s] that a process has taken of the processor."""
+    with open(f"/proc/{process.pid}/stat", encoding="utf-8") as stream:  # noqa: PTH123 - no path of ours
+        ticks = stream.read().rpartition(")")[2].split()[11:13]
+    return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
+
+
+def _answers(pipe, process, longest):
+    """Return whether a study comes to its end within what it may take."""
+    end, most = time.monotonic() + _STANDSTILL, _spent(process) + _PATIENCE * longest
+    while not pipe.poll(_GLANCE):
+        if not process.is_alive() or _spent(process) > most or time.monotonic() > end:
+            return pipe.poll(0)
+    return True
+
+
 def outcomes(path, extremes, longest=20.0):
     """Yield what becomes of each study; one that takes far longer [s] is ended with its process."""
     todo = list(extremes)
@@ -96,7 +115,7 @@ def outcomes(path, extremes, longest=20.0):
         theirs.close()
         ours.recv()
         with contextlib.suppress(EOFError):
-            while todo and ours.poll(_PATIENCE * longest):
+            while todo and _answers(ours, process, longest):
                 yield Outcome(todo[0], *ours.recv())
                 todo.pop(0)
         if todo:
