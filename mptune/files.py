@@ -73,6 +73,25 @@ def _refuse_what_has_no_end(path: str | Path) -> None:
         raise InputError(path, Fault("", "", size, "shorten it, or record as MAT 7.3 or MDF 4"))
 
 
+def is_there(path: str | Path) -> bool:
+    """Return whether there is a file, or a folder, of that name.
+
+    Raises
+    ------
+    InputError
+        If no file can have that name: it is too long, say.
+    """
+    try:
+        Path(path).stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except (OSError, ValueError) as error:  # too long; NUL, or halves of pairs
+        why = f": {error.strerror}" if isinstance(error, OSError) else ""
+        fault = Fault("", repr(str(path)), f"is no path that a file can have{why}", "rename it")
+        raise InputError("path", fault) from error
+    return True
+
+
 def make_folder(path: str | Path) -> Path:
     """Create a folder for results and check that it can be written to, before any long work.
 
