@@ -4,7 +4,9 @@ The grown box is x_N + ρ(x − x_N) in m, d, τ_A and τ_B, with τ_N = 0; mass
 positive one, delays and time constants at or above 0, and the total delay of the loop as it runs at
 or above T_S/2. Proofs go from factor to factor: what is proved next is the least box that holds two
 grown boxes, and with it all boxes between them, whether the nominal plant lies inside or outside.
-What fails, fails in a grown box.
+The first of them is the nominal plant. Where the proof cannot come away from it, as around a state
+estimator where τ vanishes, the box itself is the first: smaller boxes are then not spoken of. What
+fails, fails in a grown box.
 """
 
 from __future__ import annotations
@@ -30,6 +32,7 @@ RADII = ("equation_17", "equation_21", "none", "filters", "estimator", "sampled"
 TOLERANCE = 1e-2
 LARGEST = 128.0  # factors above it are not asked about
 _LEAST = 1e-3  # nor are factors below it
+_ITSELF = 1.0  # the factor of the box as it is
 _BUDGET = 300_000  # boxes per factor
 
 
@@ -78,9 +81,13 @@ def radius(
         if equation:
             return _equation_holds(inside, hull, until, path, budget)
         found = verdict_from(inside, hull, until, "force_reference", budget)
-        return found.status, found.witness, found.boxes
+        taken = found.boxes
+        if found.status is Stability.UNDECIDED and factor == _ITSELF and safe < factor:
+            found = verdict_from(inside, inside, until, "force_reference", budget)
+            taken += found.boxes
+        return found.status, found.witness, taken
 
-    return bracket(verdict, 1.0, tolerance, _LEAST, LARGEST)
+    return bracket(verdict, _ITSELF, tolerance, _LEAST, LARGEST)
 
 
 def _equation_holds(

@@ -97,8 +97,9 @@ def _bars(axes: Axes, found: Certificates) -> None:
             "color": "white", "edgecolor": WORST["color"], "hatch": "////",
         }  # fmt: skip
         axes.barh(row, one.lower, height=0.55, **look)
+        text = "—" if one.unproved else f"{one.lower:.3g}"
         axes.annotate(
-            f"{one.lower:.3g}", (max(one.lower, 1.0), row), xytext=(3, 0),
+            text, (max(one.lower, 1.0), row), xytext=(3, 0),
             textcoords="offset points", va="center",
         )  # fmt: skip  # right of the line at 1 too
     axes.axvline(1, **{**LIMIT, "linewidth": 0.8})
