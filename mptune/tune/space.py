@@ -21,7 +21,7 @@ import numpy as np
 
 from mptune.params.controller import Feedforward, Gains
 from mptune.params.estimator import Estimator
-from mptune.params.pack import pack_measured
+from mptune.params.pack import pack_measured, pack_path
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -82,6 +82,12 @@ BESIDE = {
         "estimator", "bandwidth", 10.0, lambda _: (_SLOWEST_ESTIMATOR, _FASTEST_ESTIMATOR)
     ),
     "estimator_mass": Beside("estimator", "mass", 1e4, lambda model: _masses(model, 0.5, 1.0)),
+    "position_filter": Beside(
+        "estimator",
+        "position_filter",
+        1e-2,
+        lambda model: (model.filters.sample_time, _LONGEST_LAG),
+    ),
 }
 """By its name in ``objective.free``; what is not here is a gain, searched on its logarithm."""
 
@@ -95,10 +101,12 @@ class Choice(NamedTuple):
 
     @classmethod
     def of(cls, model: LinearModel) -> Choice:
-        """Return what the study itself says, the estimator's mass spelt out."""
+        """Return what the study itself says, spelt out what the estimator leaves to others."""
         own, known = model.study.study, model.filters.estimator_mass
-        estimator = own.estimator.model_copy(update={"mass": known}) if known else own.estimator
-        return cls(model.gains, own.feedforward, estimator)
+        spelt: dict[str, float] = {"mass": known} if known else {}
+        if "position_filter" in own.objective.turned:
+            spelt["position_filter"] = own.filtering.position_filter
+        return cls(model.gains, own.feedforward, own.estimator.model_copy(update=spelt))
 
     def put_over(self, model: LinearModel) -> LinearModel:
         """Return a model around this candidate's estimator, gains and feed-forward left alone."""
@@ -107,7 +115,7 @@ class Choice(NamedTuple):
             return model
         inner = inner.model_copy(update={"estimator": self.estimator})
         study = model.study.model_copy(update={"study": inner})
-        return replace(model, study=study, filters=pack_measured(study))
+        return replace(model, study=study, path=pack_path(study), filters=pack_measured(study))
 
 
 @dataclass(frozen=True)
