@@ -30,6 +30,7 @@ STUDIES = {  # study, overrides, largest mean index at any of the masses [ms]
     "estimator, the paper's decision": ("boom-estimator", PAPER_S, 3.2),
     "estimator": ("boom-estimator", (), 3.0),
     "robust": ("boom-estimator-robust", PAPER_S, 5.5),
+    "robust, mass learnt": ("boom-estimator-robust", ("feedforward.adaptive_mass=true",), 4.0),
     "adaptive, the paper's decision": ("boom-adaptive", PAPER_S, 2.4),
     "adaptive": ("boom-adaptive", (), 2.3),
 }
