@@ -98,10 +98,8 @@ def _bars(axes: Axes, found: Certificates) -> None:
         }  # fmt: skip
         axes.barh(row, one.lower, height=0.55, **look)
         text = "—" if one.unproved else f"{one.lower:.3g}"
-        axes.annotate(
-            text, (max(one.lower, 1.0), row), xytext=(3, 0),
-            textcoords="offset points", va="center",
-        )  # fmt: skip  # right of the line at 1 too
+        place = max(one.lower, 1.0), row  # right of the line at 1 too
+        axes.annotate(text, place, xytext=(3, 0), textcoords="offset points", va="center")
     axes.axvline(1, **{**LIMIT, "linewidth": 0.8})
     axes.set_yticks(range(len(names)), [_NAMES[name] for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)
