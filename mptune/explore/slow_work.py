@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, Any
 
 from mptune.explore import words
 from mptune.explore.move import SimulatedMove, simulated_move
+from mptune.explore.page import VIEWS
 from mptune.explore.worker import Worker, WorkerMessage
 
 if TYPE_CHECKING:
@@ -112,7 +113,7 @@ class SlowWork:
         def moved(before: SimulatedMove, after: SimulatedMove) -> None:
             self._published = {key: before}
             if still(now):
-                self._page.move.show(after, before)
+                self._page.when_seen(VIEWS[2], "move", lambda: self._page.move.show(after, before))
                 self._page.settle()
                 self._page.moved.object = words.moves(after.words, before.words)
 
