@@ -3,10 +3,9 @@
 The grown box is x_N + ρ(x − x_N) in m, d, τ_A and τ_B, with τ_N = 0; masses stay above a small
 positive one, delays and time constants at or above 0, and the total delay of the loop as it runs at
 or above T_S/2. Proofs go from factor to factor: what is proved next is the least box that holds two
-grown boxes, and with it all boxes between them, whether the nominal plant lies inside or outside.
-The first of them is the nominal plant. Where the proof cannot come away from it, as around a state
-estimator where τ vanishes, the box itself is the first: smaller boxes are then not spoken of. What
-fails, fails in a grown box.
+grown boxes, and all between them with it, wherever the nominal plant lies. The first is the nominal
+plant, or where the proof cannot come away from it, as around an estimator where τ vanishes, the box
+itself. What fails, fails in a grown box.
 """
 
 from __future__ import annotations
@@ -32,7 +31,6 @@ RADII = ("equation_17", "equation_21", "none", "filters", "estimator", "sampled"
 TOLERANCE = 1e-2
 LARGEST = 128.0  # factors above it are not asked about
 _LEAST = 1e-3  # nor are factors below it
-_ITSELF = 1.0  # the factor of the box as it is
 _BUDGET = 300_000  # boxes per factor
 
 
@@ -52,8 +50,7 @@ def radius(
         The box and the loop.
     until
         ``"equation_17"`` or ``"equation_21"``: until the ratio of that equation, with the
-        measurement path ``path``, reaches 1. ``"none"``, ``"filters"`` or ``"sampled"``: until the
-        true loop with that path is unstable.
+        measurement path ``path``, reaches 1; another path: until the true loop with it is unstable.
     path
         ``"none"`` or ``"filters"``, of the equations.
     tolerance
@@ -81,13 +78,11 @@ def radius(
         if equation:
             return _equation_holds(inside, hull, until, path, budget)
         found = verdict_from(inside, hull, until, "force_reference", budget)
-        taken = found.boxes
-        if found.status is Stability.UNDECIDED and factor == _ITSELF and safe < factor:
+        if found.status is Stability.UNDECIDED and safe < factor == 1.0:  # the box itself
             found = verdict_from(inside, inside, until, "force_reference", budget)
-            taken += found.boxes
-        return found.status, found.witness, taken
+        return found.status, found.witness, found.boxes
 
-    return bracket(verdict, _ITSELF, tolerance, _LEAST, LARGEST)
+    return bracket(verdict, 1.0, tolerance, _LEAST, LARGEST)
 
 
 def _equation_holds(

@@ -108,7 +108,5 @@ def heard_along(s: ComplexArray, path: MeasurementPath) -> ComplexArray:
     """Return ``(4, F)`` the estimator's responses at each s, in the order of ``Heard``."""
     found = np.empty((4, len(s)), np.complex128)
     for n in range(len(s)):
-        one = heard(s[n], path)
-        found[0, n], found[1, n] = one.place_of_place, one.speed_of_place
-        found[2, n], found[3, n] = one.place_of_force, one.speed_of_force
+        found[:, n] = np.array(heard(s[n], path))
     return found
