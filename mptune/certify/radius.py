@@ -97,9 +97,8 @@ def _equation_holds(
     edges = edges_of(hull, (0.0, 0.0))
     edges[1, 0] = tail_start(form, edges[1, RATIO], 1.0)
     proof = Proof(form, curve, edges)
-    if proof.run(1.0, budget) == PROVED:
-        return Stability.STABLE, None, proof.boxes
-    return Stability.UNDECIDED, None, proof.boxes
+    proved = proof.run(1.0, budget) == PROVED
+    return Stability.STABLE if proved else Stability.UNDECIDED, None, proof.boxes
 
 
 def _nominal_stable(problem: BoxedLoop, path: str, floor: float) -> bool:
