@@ -1,8 +1,8 @@
 """What a disk margin costs with a state estimator, as ``mptune tune --along disk_margin`` finds it.
 
 The front of ``studies/boom-estimator`` from its own gains on, at its own requirements: no more
-compliance than published and less than half the published noise. Each point then runs on the machine
-with ``MPTUNE_BENCH_SETS`` movement sets that no search has seen. Run with ``make bench``.
+compliance than published and less than half the published noise. Each point then runs on the
+machine with ``MPTUNE_BENCH_SETS`` movement sets that no search has seen. Run with ``make bench``.
 """
 
 import os
