@@ -268,7 +268,7 @@ def test_studies_stand_in_one_table_and_figure(job, tmp_path, monkeypatch):
     from mptune.job import studies as job_of_studies
 
     monkeypatch.setattr(job_of_studies, "run", lambda *_: job)
-    found = run_studies([job.study, job.study], tmp_path)
+    found = run_studies([job.study, job.study.model_copy(update={"name": "other"})], tmp_path)
     rows = rows_of(job)
     assert list(found.rows) == [*rows, *rows]
     assert [(row["gains"], row["mass_kg"]) for row in rows] == [
