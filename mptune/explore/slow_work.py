@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from mptune.errors import InputError
 from mptune.explore import words
 from mptune.explore.move import SimulatedMove, simulated_move
+from mptune.explore.page import VIEWS
 from mptune.explore.worker import Worker, WorkerMessage
 from mptune.files import is_there
 
@@ -118,7 +119,7 @@ class SlowWork:
         def moved(before: SimulatedMove, after: SimulatedMove) -> None:
             self._published = {key: before}
             if still(now):
-                self._page.move.show(after, before)
+                self._page.when_seen(VIEWS[2], "move", lambda: self._page.move.show(after, before))
                 self._page.settle()
                 self._page.moved.object = words.moves(after.words, before.words)
 

@@ -9,7 +9,8 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.errors import Fault
-from mptune.params.demand import force_demand, slowest_valves, supply_demand
+from mptune.params.advice import advice_on
+from mptune.params.demand import flow_demand, force_demand, slowest_valves
 from mptune.params.doubts import Doubt
 from mptune.params.valve_states import number_of_states
 from mptune.units import shown
@@ -50,7 +51,8 @@ def doubts_of(resolved: ResolvedStudy) -> tuple[Doubt, ...]:
         *_tried_elsewhere(resolved),
         *slowest_valves(study),
         *force_demand(study),
-        *supply_demand(study),
+        *flow_demand(study),
+        *advice_on(study),
     )
 
 

@@ -72,7 +72,7 @@ def load_study(
         written in. What is merely doubtful the study carries, see ``ResolvedStudy.doubts``.
     """
     path = Path(path)
-    layers = _layers(path)
+    layers = read_layers(path)
     for override in overrides:
         layers.override(*_key_and_value(override))
     read_references(layers)
@@ -122,8 +122,14 @@ def _with_machines(study: Study, chosen: UncertaintySet) -> Study:
     return study.model_copy(update={"verification": verification})
 
 
-def _layers(path: Path) -> Layers:
-    """Return the values of a study laid over those of its base, and of the base's base."""
+def read_layers(path: Path) -> Layers:
+    """Return the values of a study laid over those of its base, and of the base's base.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or is based on itself.
+    """
     written: list[tuple[Path, dict[str, Any]]] = []
     text = read_text(path, _REMEDY)
     while True:
