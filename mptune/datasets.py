@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from mptune.errors import Fault, InputError
-from mptune.files import write_whole
+from mptune.files import read_whole, write_whole
 from mptune.hdf5 import check_total, stored_arrays
 
 if TYPE_CHECKING:
@@ -46,7 +46,7 @@ def read_dataset(path: str | Path, remedy: str = "make it again") -> xr.Dataset:
     import xarray as xr
 
     try:
-        content = io.BytesIO(Path(path).read_bytes())
+        content = io.BytesIO(read_whole(path, _LARGEST, remedy))
         with h5py.File(content, "r") as file:
             check_total(Path(path), stored_arrays(Path(path), file), _LARGEST)
         with xr.open_dataset(content, engine=_ENGINE) as dataset:

@@ -19,6 +19,7 @@ from pathlib import Path
 from mptune.errors import Fault, InputError, OutputError
 
 LARGEST_TEXT = 20_000_000  # bytes: half a million rows, read in seconds
+_SHORTEN = "shorten it, or record as MAT 7.3 or MDF 4"
 _MACHINE = hashlib.sha256(platform.node().encode()).hexdigest()[:8]
 
 
@@ -39,8 +40,7 @@ def read_text(path: str | Path, remedy: str = "check the path") -> str:
         read, is empty or is not UTF-8 text.
     """
     try:
-        _refuse_what_has_no_end(path)
-        text = Path(path).read_bytes().decode("utf-8-sig")
+        text = read_whole(path, LARGEST_TEXT, _SHORTEN).decode("utf-8-sig")
     except FileNotFoundError as error:
         raise InputError(path, Fault("", "", "does not exist", remedy)) from error
     except IsADirectoryError as error:
@@ -60,17 +60,33 @@ def read_text(path: str | Path, remedy: str = "check the path") -> str:
     return text
 
 
-def _refuse_what_has_no_end(path: str | Path) -> None:
-    """Refuse devices and pipes, of which a study may name one, and files too large to be text."""
+def read_whole(path: str | Path, most: int, remedy: str = "check the path") -> bytes:
+    """Return the bytes of a file that may come from anybody.
+
+    Parameters
+    ----------
+    path
+        The file.
+    most
+        How many bytes it may have; they are counted before any is read.
+    remedy
+        What to do where there are more.
+
+    Raises
+    ------
+    InputError
+        If it is no regular file: a pipe would wait, a device never end; or if it is too large.
+    OSError
+        If it is missing, is a folder, or may not be read.
+    """
     found = Path(path).stat()
-    if stat.S_ISDIR(found.st_mode):
-        return  # reading it says so
-    if not stat.S_ISREG(found.st_mode):
+    if not (stat.S_ISREG(found.st_mode) or stat.S_ISDIR(found.st_mode)):
         fault = Fault("", "", "is no regular file", "write its content into a file, and name that")
         raise InputError(path, fault)
-    if found.st_size > LARGEST_TEXT:
-        size = f"is {found.st_size / 1e6:.0f} MB of text, {LARGEST_TEXT / 1e6:g} MB at most"
-        raise InputError(path, Fault("", "", size, "shorten it, or record as MAT 7.3 or MDF 4"))
+    if found.st_size > most:
+        rule = f"has {found.st_size / 1e6:.0f} MB, {most / 1e6:g} MB at most are read"
+        raise InputError(path, Fault("", "", rule, remedy))
+    return Path(path).read_bytes()
 
 
 def is_there(path: str | Path) -> bool:

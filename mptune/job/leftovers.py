@@ -22,11 +22,11 @@ from typing import TYPE_CHECKING, Any
 
 from mptune.errors import InputError
 from mptune.escaping import printable
-from mptune.files import write_whole
+from mptune.files import read_whole, write_whole
 from mptune.identify.store import read_panels
 from mptune.job.identify import figure_name
 from mptune.job.kept_rows import checked_rows
-from mptune.report.picture import safe_picture
+from mptune.report.picture import LARGEST, safe_picture
 from mptune.report.results import Leftovers
 
 if TYPE_CHECKING:
@@ -74,7 +74,7 @@ def leftovers(folder: Path, study: ResolvedStudy) -> Leftovers:
     names = [_FIGURES[name] for name, found in rows.items() if found]
     names += dict.fromkeys(figure_name(panel.valve_delay_s) for panel in panels)
     drawn = {
-        name: taken(f"{name}.svg", lambda path: safe_picture(path.read_bytes()), None)
+        name: taken(f"{name}.svg", lambda path: safe_picture(read_whole(path, LARGEST)), None)
         for name in names
     }
     figures = {name: svg for name, svg in drawn.items() if svg is not None}

@@ -15,7 +15,7 @@ from xml.etree import ElementTree as ET
 
 _SVG: Final = "http://www.w3.org/2000/svg"
 _XLINK: Final = "http://www.w3.org/1999/xlink"
-_LARGEST: Final = 20_000_000  # bytes
+LARGEST: Final = 20_000_000  # bytes
 _DEEPEST: Final = 100  # elements within elements
 _ELEMENTS: Final = frozenset(
     {"svg", "g", "defs", "pattern", "path", "use", "text", "tspan", "clipPath", "image"}
@@ -50,8 +50,8 @@ def safe_picture(svg: bytes) -> bytes:
         If it is no SVG, or declares entities, or is larger than any figure of ours, or cannot be
         drawn.
     """
-    if len(svg) > _LARGEST:
-        raise ValueError(f"is larger than {_LARGEST / 1e6:g} MB")
+    if len(svg) > LARGEST:
+        raise ValueError(f"is larger than {LARGEST / 1e6:g} MB")
     if b"<!ENTITY" in svg or b"\0" in svg:
         raise ValueError("declares entities, or is not UTF-8")
     try:

@@ -69,7 +69,8 @@ def test_what_is_too_large_to_be_text_is_not_read(tmp_path):
     path = tmp_path / "table.csv"
     with path.open("wb") as stream:
         stream.truncate(10**12)  # a hole: it takes no room
-    assert "1000000 MB" in fault_of(path).rule
+    rule = fault_of(path).rule
+    assert rule.startswith("has 1000000 MB, 20 MB at most")
 
 
 @pytest.mark.parametrize("content", [b"", b" \n\t\r\n"])

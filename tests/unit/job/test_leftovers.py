@@ -182,6 +182,15 @@ def test_a_damaged_identification_is_left_out_and_the_report_says_so(folder, boo
     assert [one.split()[0] for one in found.left_out] == ["identification.nc"]
 
 
+@pytest.mark.parametrize("name", ["identification.nc", "front.svg", "front.json"])
+def test_what_is_larger_than_any_of_ours_is_left_out_unread(folder, boom, name):
+    with (folder / name).open("r+b") as stream:
+        stream.truncate(10**13)  # a hole: it takes no room, and all memory once it is read
+    found = leftovers(folder, boom)
+    assert [one.split()[0] for one in found.left_out] == [name]
+    assert "MB" in found.left_out[0]
+
+
 HOSTILE_PICTURES = [
     b"<svg><script>alert(1)</script></svg>",
     b'<svg onload="alert(1)"><g onclick="alert(1)"/></svg>',
