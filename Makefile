@@ -97,7 +97,8 @@ dist-check: setup
 	$(BIN)/twine check --strict dist/*
 	$(BIN)/check-wheel-contents dist/*.whl
 	$(BIN)/python -m zipfile -e dist/*.whl build/wheel
-	cd build/wheel && $(CURDIR)/$(BIN)/python -m mptune.cli new crane
+	cd build/wheel && $(CURDIR)/$(BIN)/python -m mptune.cli new loader
+	cd build/wheel && $(CURDIR)/$(BIN)/python -m mptune.cli new lifter --like crane
 
 format: setup
 	$(BIN)/ruff format .

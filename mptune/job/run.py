@@ -67,7 +67,7 @@ STAGES = (
 _WORTH_RUNNING = {Headline.MET, Headline.ON_PAPER}
 
 
-class Beside(NamedTuple):
+class SideWork(NamedTuple):
     """What is made in one thread beside the machine: drawn, and tuned for comparison.
 
     It runs the kernels that have threads of their own and must not run twice at once; the
@@ -126,7 +126,7 @@ def run(
 
 
 def _handed_over(
-    result: JobResult, beside: Beside, out: Path, folder: Path, progress: Progress
+    result: JobResult, beside: SideWork, out: Path, folder: Path, progress: Progress
 ) -> JobResult:
     """Draw what is not drawn yet of a result, write its report, and name all that was written."""
     linear = beside.linear.result()
@@ -144,7 +144,7 @@ def _handed_over(
 
 def _judged(
     study: ResolvedStudy, folder: Path, progress: Progress, thread: ThreadPoolExecutor
-) -> tuple[JobResult, Beside]:
+) -> tuple[JobResult, SideWork]:
     """Tune, judge on every model, and write sweep, gains and traces.
 
     The machine runs under the study's own gains meanwhile. What is known before it runs under those
@@ -165,7 +165,7 @@ def _judged(
         linear = gains_file(tuned.sweep, tuned.feedforward, moves, None, judgement)
         exported = write_gains(folder / "gains.toml", linear)
         files = [write_sweep(folder / "sweep.nc", tuned.sweep), exported]
-        beside = Beside(thread.submit(linear_part, tuned.sweep, moves))
+        beside = SideWork(thread.submit(linear_part, tuned.sweep, moves))
         verified = before = frame = None
         if judgement.word in _WORTH_RUNNING:
             if study.study.verification.papers_frame:

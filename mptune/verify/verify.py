@@ -169,7 +169,7 @@ class Rig(NamedTuple):
 
 def rig_of(study: ResolvedStudy, case: Case, gains: Gains, feedforward: Feedforward) -> Rig:
     """Return one machine of a study with its controller and moves."""
-    controller = study.study.controller
+    controller = study.study.filtering
     return Rig(
         machine=pack_machine(study, case.mass, case.oil_bulk_modulus, case.load_force),
         table=pack_table(study),
