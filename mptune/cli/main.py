@@ -9,6 +9,7 @@ Only typer is imported here, so that ``--help`` answers at once.
 from __future__ import annotations
 
 import errno
+import os
 import signal
 import sys
 from pathlib import Path
@@ -196,6 +197,8 @@ def ledger() -> None:
 def main() -> None:
     """Run the command line and leave with its exit status."""
     out = take_streams()
+    # Threads that wait for the next compiled loop sleep: the simulation beside has use for a core.
+    os.environ.setdefault("OMP_WAIT_POLICY", "passive")
     sys.unraisablehook = _unraisable
     code = status(sys.argv[1:])
     sys.stdout.flush()

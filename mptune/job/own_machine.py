@@ -6,6 +6,7 @@ found that is worth running on the machine, it ends with the runs that are under
 
 from __future__ import annotations
 
+import warnings
 from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
@@ -53,6 +54,8 @@ class OwnMachine:
 
     def _note(self, _stage: str, share: float) -> None:
         if self._dropped:
+            # joblib would tell people that runs were given up.
+            warnings.filterwarnings("ignore", r"\d+ tasks have been", UserWarning)
             raise _DroppedError
         self._share = share
 

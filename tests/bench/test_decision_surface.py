@@ -4,7 +4,7 @@ A single set scatters by as much as a weight moves it. So points all over a box 
 each with a seed of its own, and each figure's quadratic surface is fitted to them: every run then
 tells of every weight. The study's own weights were chosen on such surfaces and proved on other
 seeds (``test_estimator_studies.py``). ``MPTUNE_BENCH_POINTS`` points are
-run, ``MPTUNE_BENCH_SETS`` sets of each run counted, the first is not. Run with ``make bench``.
+run, ``MPTUNE_BENCH_SETS`` sets of each run counted, the first is not. Run with ``make trials``.
 """
 
 import os
@@ -16,7 +16,7 @@ from scipy.stats import qmc
 from mptune.params.load import load_study
 from mptune.verify.verify import cases_of, run_case
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 POINTS, SETS = (
     int(os.environ.get(f"MPTUNE_BENCH_{name}", default))

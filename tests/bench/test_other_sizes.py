@@ -2,7 +2,7 @@
 
 Their supplies follow the rules of ``mptune.params.sizing``; with the paper's they are told what is
 too small, and the crane's machine is not stable. ``MPTUNE_BENCH_SETS`` movement sets per run are
-counted. Run with ``make bench``.
+counted. Run with ``make trials``.
 """
 
 import os
@@ -13,7 +13,7 @@ import pytest
 from mptune.params.load import load_study
 from mptune.verify.verify import verify
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 SETS = int(os.environ.get("MPTUNE_BENCH_SETS", "20"))
 MOST = {"crane": 7.0, "fast": 3.2}  # ms, mean index at either mass

@@ -85,7 +85,7 @@ def test_sweep_is_at_most_twice_as_slow_as_a_c_loop(boom, tmp_path, ratio):
     weight = np.ascontiguousarray(np.abs(loops) / np.abs(1 + loops))
     factors = condition._factors(model.plants, model.nominal)
     delays, lags, plants = len(factors.delay), factors.lags.shape[1], len(factors.mass_ratio)
-    left, ratio = np.zeros((2, len(omega))), np.zeros((2, plants))
+    left, largest = np.zeros((2, len(omega))), np.zeros((2, plants))
     rows = [np.zeros(delays, complex), np.zeros(lags, complex)]
     loop = np.ascontiguousarray(loops[0])
 
@@ -98,7 +98,7 @@ def test_sweep_is_at_most_twice_as_slow_as_a_c_loop(boom, tmp_path, ratio):
         *(pointer(np.ascontiguousarray(one)) for one in factors.lags), plants,
         pointer(factors.mass_ratio), pointer(factors.which_delay), pointer(factors.which_lags),
         ctypes.c_double(model.nominal.delay), pointer(loop), pointer(weight),
-        *map(pointer, rows), pointer(left), pointer(ratio),
+        *map(pointer, rows), pointer(left), pointer(largest),
     )  # fmt: skip
     times = {"mptune": [], "C": []}
     for _ in range(9):
@@ -115,7 +115,7 @@ def test_sweep_is_at_most_twice_as_slow_as_a_c_loop(boom, tmp_path, ratio):
             if name == "mptune":
                 expected = found
     np.testing.assert_allclose(left, expected[0], rtol=1e-12)
-    np.testing.assert_allclose(ratio, expected[2], rtol=1e-12)
+    np.testing.assert_allclose(largest, expected[2], rtol=1e-12)
     ours, theirs = (float(np.median(times[name][1:])) for name in ("mptune", "C"))
     print(f"\nmptune {1e3 * ours:.1f} ms, C {1e3 * theirs:.1f} ms: {ours / theirs:.2f} times")
     ratio("sweep of Eq. 17: mptune over a loop in C", ours / theirs, most=2)
