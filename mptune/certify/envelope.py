@@ -10,6 +10,7 @@ import numpy as np
 
 from mptune.arrays import FloatArray, frozen
 from mptune.certify.ascent import close, explored, terms_of
+from mptune.certify.climb import SINGULAR
 from mptune.certify.form import Curve, curve_of, form_of
 from mptune.certify.problem import edges_of
 from mptune.certify.proof import Proof
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
 
 TOLERANCE = 1e-2
 BUDGET = 100_000  # boxes per interval
+_LITTLE = 10_000  # boxes for each further one, once a bound had to be raised
 _FREQUENCIES = 5  # at which corners are tried, per interval
 
 
@@ -69,7 +71,7 @@ def envelope(
     tolerance
         How far apart both may be, relative to the attained value.
     budget
-        Boxes per interval.
+        Boxes per interval; few of them once a bound had to be raised, as its neighbours will be.
     """
     problem = problem.along(path)
     form, curve = form_of(problem, loop, path, figure), curve_of(allowed)
@@ -79,7 +81,10 @@ def envelope(
         found, point = explored(form, curve, edges, _FREQUENCIES)
         terms = terms_of(form, edges, found, point, tolerance)
         proof = Proof(form, curve, edges, terms)
-        rows.append((*close(proof, found, point, tolerance, budget), proof.boxes))
+        value, proved = close(proof, found, point, tolerance, budget)
+        rows.append((value, proved, proof.boxes))
+        if value < SINGULAR and proved > (1 + 2 * tolerance) * value:  # it had to be raised
+            budget = min(budget, _LITTLE)
     attained, bound, boxes = (np.array(column) for column in zip(*rows, strict=True))
     closed = bound <= (1 + tolerance) * attained * (1 + 1e-9)
     return Envelope(
