@@ -31,6 +31,7 @@ from mptune.signals.outer_loop import acceleration_ahead, lag_references, outer_
 from mptune.signals.trajectory import reference
 from mptune.sim import closed_loop as loop
 from mptune.sim.integrator import integrate, new_work
+from mptune.sim.measure import measure
 from mptune.sim.moves import moves_of
 from mptune.verify.verify import cases_of, delays_of, new_memory
 
@@ -163,7 +164,7 @@ def drive(rig, unit, sets=1):
         step, v_ref, _ = reference(tick * tick_time, rig.moves.pieces)
         a_ref = acceleration_ahead(tick * tick_time, rig.moves.pieces, rig.law.ahead)
         x_ref = rig.start + step
-        loop._measure(memory, machine, signals, rig.settings, rig.law, v_ref, rig.random)
+        measure(memory, machine, signals, rig.settings, rig.law, v_ref, rig.random)
         outputs = unit.step(np.concatenate([[x_ref, v_ref, a_ref], memory.raw[0]]))
         memory.outer[loop.FORCE], memory.outer[loop.STOPPED] = outputs[:2]
         memory.choice[:] = outputs[2:]

@@ -80,22 +80,21 @@ def supply_demand(study: Study) -> Iterator[Doubt]:
 
 def _supplied(study: Study) -> tuple[float, float]:
     """Return least and largest force [N] of a piston at rest between the supply pressures."""
-    cylinder, controller, supplies = study.cylinder, study.controller, study.supplies
+    controller, supplies = study.controller, study.supplies
     low = max(supplies.low_pressure, controller.pressure_min)
     high = min(supplies.high_pressure, controller.pressure_max)
-    least = cylinder.area_a * low - cylinder.area_b * high
-    return least, cylinder.area_a * high - cylinder.area_b * low
+    least = study.area_a * low - study.area_b * high
+    return least, study.area_a * high - study.area_b * low
 
 
 def _fastest(study: Study, move: Manoeuvre) -> float:
     """Return the steady velocity [m/s] at which the valves take up what force there is to spare.
 
     From A_A p_A − A_B p_B = F with p_A = p_HP − (A_A v/K)² and p_B = p_LP + (A_B v/K)², or the
-    other way round; K is that of all valves in parallel. Friction is left out: errs on the
-    generous side.
+    other way round, and so for each of more chambers; K is that of all its valves in parallel.
+    Friction is left out: errs on the generous side.
     """
     least, largest = _supplied(study)
-    cylinder = study.cylinder
     loads = [one for force in study.verification.load_forces for one in study.loads_at(force)]
     spare = []
     if move.extends:
@@ -104,7 +103,7 @@ def _fastest(study: Study, move: Manoeuvre) -> float:
         spare.append(min(loads) - least)
     sizes = study.edge_rule.sizes
     flow = min(sum(sizes[0]), sum(sizes[-1])) * study.valves.flow_coefficient
-    cubes = cylinder.area_a**3 + cylinder.area_b**3
+    cubes = sum(one.area**3 / one.valves**2 for one in study.all_chambers)
     return flow * math.sqrt(max(min(spare, default=math.inf), 0.0) / cubes)
 
 
@@ -114,11 +113,11 @@ def _mean_flow(study: Study) -> float:
     Friction, and throttling over half a step between supply pressures on either side, per way;
     leakage, switching and compression are left out, so that a pump may still be too small.
     """
-    supplies, load, cylinder = study.supplies, study.load, study.cylinder
+    supplies, load = study.supplies, study.load
     span = supplies.high_pressure - supplies.low_pressure
     time = sum(move.duration + move.rest for move in study.manoeuvre)
     speed = sum(move.travel for move in study.manoeuvre) / time
-    throttling = (cylinder.area_a + cylinder.area_b) * span / (len(study.edge_rule.sizes) - 1) / 2
+    throttling = (study.area_a + study.area_b) * span / (len(study.edge_rule.sizes) - 1) / 2
     return speed * (load.friction_coulomb + load.friction_viscous * speed + throttling) / span
 
 
@@ -127,7 +126,7 @@ def _converters(study: Study) -> Iterator[Doubt]:
     if study.converters == 0:
         return
     low, high = study.reach()
-    swept = study.cylinder.area_a * (high - low)
+    swept = study.area_a * (high - low)
     supplies = study.supplies
     room = study.converters * supplies.converter_area * supplies.converter_travel
     if swept > room:

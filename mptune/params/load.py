@@ -15,6 +15,7 @@ from mptune.errors import Fault, InputError
 from mptune.escaping import file_name
 from mptune.files import read_text
 from mptune.params.beside import name_beside
+from mptune.params.chambers import missing_of_the_short_form, plain_sections
 from mptune.params.coherence import doubts_of, refusals_of
 from mptune.params.extent import faults_of_extent
 from mptune.params.format import FORMAT_KEY, STUDY_FORMAT
@@ -73,13 +74,18 @@ def load_study(
     read_load_table(layers)
     read_measured(layers)
     name_beside(layers)
+    absent = [_missing(key) for key in missing_of_the_short_form(layers.values)]
     try:
         study = Study.model_validate(layers.values)
     except ValidationError as error:
-        raise layers.refusal(*faults_of(error, Study)) from error
-    study = study.model_copy(update={"supplies": supplies_of(study.lines, study.supplies)})
-    if absent := missing_supplies(study.supplies):
-        raise layers.refusal(*(Fault(key, "", "is missing", _ADD_IT) for key in absent))
+        raise layers.refusal(*faults_of(error, Study), *absent) from error
+    supplies = supplies_of(study.lines, study.supplies)
+    study = study.model_copy(
+        update={"supplies": supplies, **plain_sections(study.chambers, study.cylinder, study.hose)}
+    )
+    absent += [_missing(key) for key in missing_supplies(study.supplies)]
+    if absent:
+        raise layers.refusal(*absent)
     if uncertainty and uncertainty not in study.uncertainty.sets:
         known = ", ".join(sorted(study.uncertainty.sets)) or "none"
         fault = Fault("uncertainty.sets", uncertainty, "is not among the sets", f"known: {known}")
@@ -106,6 +112,10 @@ def load_study(
     if faults := list(faults_of_extent(resolved)):
         raise layers.refusal(*faults)
     return resolved.model_copy(update={"doubts": doubts_of(resolved)})
+
+
+def _missing(key: str) -> Fault:
+    return Fault(key, "", "is missing", _ADD_IT)
 
 
 def _with_machines(study: Study, chosen: UncertaintySet) -> Study:

@@ -34,7 +34,9 @@ def test_decisions_are_the_cheapest_by_the_plain_law(load_shape, name, penalty):
         assert costs[a, b] == pytest.approx(costs.min(), rel=1e-9, abs=1e-6)
 
 
-@pytest.mark.parametrize("name", ["three-pressure", "digital-valve", "mixed", "following"])
+@pytest.mark.parametrize(
+    "name", ["three-pressure", "digital-valve", "mixed", "following", "four-chamber"]
+)
 @pytest.mark.compiled
 def test_energies_close_and_the_piston_follows(load_shape, name):
     study = load_shape(name, "verification.repeats=1", "verification.seeds=[1]")
