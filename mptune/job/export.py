@@ -18,7 +18,6 @@ from mptune.export.table import as_json, as_toml
 from mptune.files import make_folder, write_whole
 from mptune.params.gains import accepted_gains, now, read_gains
 from mptune.params.load import load_study
-from mptune.params.two_chambers import needs_two_chambers
 from mptune.progress import silent
 
 if TYPE_CHECKING:
@@ -108,15 +107,12 @@ def export(
     Raises
     ------
     InputError
-        If gains or study cannot be used, or this format is for two chambers and the machine has
-        more.
+        If gains or study cannot be used.
     MptuneError
         If a function mock-up unit cannot be compiled.
     """
     stated = read_gains(gains)
     loaded = load_study(study or find_study(gains, stated.study), overrides, stated.uncertainty)
-    if to is not Target.ST:
-        needs_two_chambers(loaded, f"controller as {to.value}", "take st, which makes F_ref alone")
     source, differs = accepted_gains(loaded, gains, force=force)
     progress("margins", 0.0)
     controller = prepare(loaded, source, precision, digits, differs)

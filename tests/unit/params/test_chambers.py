@@ -1,7 +1,5 @@
 """Chambers of a study: what they make of the machine, and what is refused."""
 
-from functools import partial
-
 import numpy as np
 import pytest
 
@@ -12,7 +10,6 @@ from mptune.loops.family import derived_time_constants, time_constants_at
 from mptune.loops.force_dynamics import force_dynamics
 from mptune.params.pack import pack_chambers, pack_force, pack_machine
 from mptune.params.packed import AREA, DEAD, HOSE, SIZE
-from mptune.params.two_chambers import needs_two_chambers
 
 TWO_LINES = (
     'lines=[{kind="tank", pressure="1 MPa"}, {kind="constant", pressure="12 MPa"}]',
@@ -137,7 +134,6 @@ def test_a_side_s_lag_is_the_mean_of_its_chambers_by_area(load_boom):
     [
         (check, "no identification of the force loop"),
         (ForceController, "no step-by-step controller"),
-        (partial(needs_two_chambers, what="controller as c", remedy="take st"), "take st"),
     ],
 )
 def test_what_is_not_done_for_four_chambers_is_refused(load_shape, boom, refused, words):
