@@ -33,7 +33,7 @@ def served(study, *options, cwd=None):
                 process.send_signal(signal.SIGINT)
             _, errors = process.communicate(timeout=30)
         assert process.returncode == 0, errors
-        assert "Traceback" not in errors
+        assert "Traceback" not in errors, errors
 
 
 @contextlib.contextmanager

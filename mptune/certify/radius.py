@@ -3,8 +3,9 @@
 The grown box is x_N + ρ(x − x_N) in m, d, τ_A and τ_B, with τ_N = 0; masses stay above a small
 positive one, delays and time constants at or above 0, and the total delay of the loop as it runs at
 or above T_S/2. Proofs go from factor to factor: what is proved next is the least box that holds two
-grown boxes, and with it all boxes between them, whether the nominal plant lies inside or outside.
-What fails, fails in a grown box.
+grown boxes, and all between them with it, wherever the nominal plant lies. The first is the nominal
+plant, or where the proof cannot come away from it, as around an estimator where τ vanishes, the box
+itself. What fails, fails in a grown box.
 """
 
 from __future__ import annotations
@@ -49,8 +50,7 @@ def radius(
         The box and the loop.
     until
         ``"equation_17"`` or ``"equation_21"``: until the ratio of that equation, with the
-        measurement path ``path``, reaches 1. ``"none"``, ``"filters"`` or ``"sampled"``: until the
-        true loop with that path is unstable.
+        measurement path ``path``, reaches 1; another path: until the true loop with it is unstable.
     path
         ``"none"`` or ``"filters"``, of the equations.
     tolerance
@@ -78,6 +78,8 @@ def radius(
         if equation:
             return _equation_holds(inside, hull, until, path, budget)
         found = verdict_from(inside, hull, until, "force_reference", budget)
+        if found.status is Stability.UNDECIDED and safe < factor == 1.0:  # the box itself
+            found = verdict_from(inside, inside, until, "force_reference", budget)
         return found.status, found.witness, found.boxes
 
     return bracket(verdict, 1.0, tolerance, _LEAST, LARGEST)
@@ -95,9 +97,8 @@ def _equation_holds(
     edges = edges_of(hull, (0.0, 0.0))
     edges[1, 0] = tail_start(form, edges[1, RATIO], 1.0)
     proof = Proof(form, curve, edges)
-    if proof.run(1.0, budget) == PROVED:
-        return Stability.STABLE, None, proof.boxes
-    return Stability.UNDECIDED, None, proof.boxes
+    proved = proof.run(1.0, budget) == PROVED
+    return Stability.STABLE if proved else Stability.UNDECIDED, None, proof.boxes
 
 
 def _nominal_stable(problem: BoxedLoop, path: str, floor: float) -> bool:

@@ -122,3 +122,8 @@ class Bracket:
     at: Point | None
     closed: bool
     boxes: int
+
+    @property
+    def unproved(self) -> bool:
+        """Whether no proof was finished: nothing is known to be safe, or to fail."""
+        return self.lower == 0 and not self.closed

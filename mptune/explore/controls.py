@@ -29,6 +29,20 @@ label { position: absolute; width: 1px; height: 1px; overflow: hidden; clip-path
 """
 
 
+class _Prompt:
+    """What a hand turns is heard at once; Panel's widgets wait 50 ms for what else may come."""
+
+    _debounce = 5  # ms
+
+
+class _Slider(_Prompt, pn.widgets.FloatSlider):
+    pass
+
+
+class _RangeSlider(_Prompt, pn.widgets.RangeSlider):
+    pass
+
+
 class KnobRow:
     """One knob: a slider, and a field for each end of a range.
 
@@ -43,7 +57,7 @@ class KnobRow:
     def __init__(self, knob: Knob, turned: Callable[[str, Value], None]) -> None:
         self._knob, self._turned = knob, turned
         self._quiet = False
-        kind: Any = pn.widgets.RangeSlider if knob.is_range else pn.widgets.FloatSlider
+        kind: Any = _RangeSlider if knob.is_range else _Slider
         unit = "" if knob.unit == "–" else f" [{knob.unit}]"
         self.slider = kind(
             name=f"{knob.symbol}{unit} {knob.meaning}",

@@ -89,6 +89,8 @@ class Knob:
         found = getattr(section_of(study, self.section), self.name)
         if found is None and self.key == "uncertainty.delay_as_it_runs":
             return study.uncertainty.explicit_delay
+        if found is None and self.name == "position_filter":
+            return study.study.controller.position_filter
         if found is None:  # the estimator's mass: the least of the family
             return study.uncertainty.mass[0]
         if isinstance(found, str):  # derived
@@ -130,7 +132,7 @@ GROUPS: dict[str, tuple[Knob, ...]] = {
         Knob("uncertainty.tau_b", "ms", 1e-3, 20e-3),
     ),
     "Filters and estimator": (
-        Knob("controller.position_filter", "ms", 1e-3),
+        Knob("estimator.position_filter", "ms", 1e-3),
         Knob("estimator.bandwidth", "rad/s", 1.0),
         Knob("estimator.mass", "t", 1e3),
     ),

@@ -55,13 +55,15 @@ def corner_model(model: LinearModel) -> LinearModel:
     return replace(whole, lumped=lumped.picked(alike), explicit=whole.explicit.picked(alike))
 
 
-def looked_at(sides: GridSides, plant: str, *, with_path: bool) -> Looked:
+def looked_at(sides: GridSides, corners: LinearModel, plant: str, *, with_path: bool) -> Looked:
     """Return the plants that are drawn.
 
     Parameters
     ----------
     sides
         Both inequalities, which know their worst plants.
+    corners
+        The model whose family is the corners of the box.
     plant
         The chosen one, one of ``PLANTS``. A measured response has no loop of its own here: the
         slowest light plant stands for it.
@@ -70,7 +72,6 @@ def looked_at(sides: GridSides, plant: str, *, with_path: bool) -> Looked:
     """
     model = sides.model
     path = model.filters if with_path else NO_PATH
-    corners = corner_model(model)
     family = corners.explicit if with_path else corners.lumped
     nominal = nominal_plants(model.nominal_along(path))
     chosen = _chosen(sides, corners, plant, with_path=with_path)

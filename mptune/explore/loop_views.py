@@ -89,13 +89,11 @@ class LoopsView:
 
     def show(self, now: Picture, kept: Picture | None) -> None:
         """Show the loop."""
-        if now.loops is None:
-            raise ValueError("a picture without loops")
         for one, (values, floor) in zip(self._sets, _figures(now), strict=True):
             one.show(now.loops.omega, values, floor)
-        others = _figures(kept) if kept is not None and kept.loops is not None else None
+        others = _figures(kept) if kept is not None else None
         for number, one in enumerate(self._sets):
-            omega = kept.loops.omega if kept is not None and kept.loops is not None else None
+            omega = kept.loops.omega if kept is not None else None
             one.keep(omega, others[number][0] if others else None)
         peak = float(now.loops.sensitivity[CHOSEN].max())
         self.titles.note(self._size, f"Sensitivity: up to {peak:.3g} with the chosen plant")
@@ -106,18 +104,15 @@ class LoopsView:
     def _show_nyquist(self, now: Picture, kept: Picture | None) -> None:
         self._curves["nominal"].data = _curve(now, NOMINAL)
         self._curves["chosen"].data = _curve(now, CHOSEN)
-        has = kept is not None and kept.loops is not None
         empty: dict[str, object] = {name: [] for name in ("x", "y", "omega", "size", "plant")}
-        show_kept(self._nyquist, shown=has)
-        self._curves["kept"].data = _curve(kept, CHOSEN) if kept is not None and has else empty
+        show_kept(self._nyquist, shown=kept is not None)
+        self._curves["kept"].data = _curve(kept, CHOSEN) if kept is not None else empty
         gain = _gain(now)[2:, ::2]
         self._corners.data = {"xs": list(gain.real), "ys": list(gain.imag)}
 
 
 def _figures(shown: Picture) -> list[tuple[np.ndarray, float | None]]:
     loops = shown.loops
-    if loops is None:
-        raise ValueError("a picture without loops")
     return [
         (loops.decibel, None),
         (loops.degrees, None),
@@ -128,15 +123,11 @@ def _figures(shown: Picture) -> list[tuple[np.ndarray, float | None]]:
 
 def _gain(shown: Picture) -> np.ndarray:
     """Return the loop gains, no farther off than any window."""
-    if shown.loops is None:
-        raise ValueError("a picture without loops")
     gain = shown.loops.gain
     return gain * np.minimum(1.0, 50 / np.maximum(np.abs(gain), 1e-12))
 
 
 def _curve(shown: Picture, row: int) -> dict[str, object]:
-    if shown.loops is None:
-        raise ValueError("a picture without loops")
     gain, name = _gain(shown)[row], shown.looked.names[row]
     return {
         "x": gain.real,

@@ -31,6 +31,15 @@ document.documentElement.dataset.theme = theme;
 _AT_FIRST = """
 toggle.active = window.matchMedia('(prefers-color-scheme: dark)').matches;
 document.documentElement.lang = 'en';
+const name = root => {
+  const title = root.querySelector('.bk-slider-title')?.textContent;
+  const handles = title ? root.querySelectorAll('.noUi-handle') : [];
+  handles.forEach((handle, n) => handle.setAttribute(
+    'aria-label', handles.length > 1 ? title + [', least', ', largest'][n] : title));
+  for (const element of root.querySelectorAll('*'))
+    if (element.shadowRoot) name(element.shadowRoot);
+};
+name(document);
 """
 _COPY = "navigator.clipboard.writeText(%s)"
 _BODY = """
@@ -76,6 +85,7 @@ class Page:
         turned: Callable[[str, Value], None],
         gains_path: str,
     ) -> None:
+        self._unseen: dict[str, tuple[str, Callable[[], None]]] = {}
         self.controls = Controls(turned)
         self.sides, self.steps, self.loops = SidesView(), StepsView(), LoopsView()
         self.move, self.chain = MoveView(), ChainView()
@@ -127,8 +137,27 @@ class Page:
 
     def settle(self) -> None:
         """Say in the titles what the plots show, once a slider rests."""
-        for view in (self.sides, self.steps, self.loops, self.move, self.chain):
+        seen = {
+            VIEWS[0]: (self.sides, self.steps),
+            VIEWS[1]: (self.loops,),
+            VIEWS[2]: (self.move, self.chain),
+        }
+        for view in seen[self.view.value]:
             view.titles.settle()
+
+    def when_seen(self, view: str, plots: str, show: Callable[[], None]) -> None:
+        """Let plots show something once their view is chosen, the last that they were given.
+
+        A browser lays plots out anew even where nobody sees them.
+        """
+        self._unseen[plots] = (view, show)
+        self._catch_up()
+
+    def _catch_up(self) -> None:
+        for plots, (view, show) in list(self._unseen.items()):
+            if view == self.view.value:
+                del self._unseen[plots]
+                show()
 
     def dress(self) -> None:
         """Give every plot the colours of the theme."""
@@ -136,12 +165,14 @@ class Page:
             dress(plot, DARK if self.theme.active else LIGHT)
 
     def at_first(self) -> CustomJS:
-        """Return what the browser runs once: it takes the system's theme."""
+        """Return what the browser runs once: it takes the system's theme and names handles."""
         return CustomJS(args={"toggle": self.theme}, code=_AT_FIRST)
 
     def _turn_over(self, *_: Any) -> None:
         for name, pane in self.panes.items():
             pane.visible = name == self.view.value
+        self._catch_up()
+        self.settle()
 
     def _copies(self) -> None:
         """Let two buttons copy: the gains as TOML, the address with the state in it."""

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numba
@@ -23,7 +24,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True)
 class Picture:
-    """One setting's grid figures.
+    """One setting's grid figures; what a view does not ask for is not made.
 
     Attributes
     ----------
@@ -31,34 +32,47 @@ class Picture:
         The study that the setting makes.
     sides
         Both inequalities over the whole family.
-    looked
-        The plants that are looked at.
-    checks
-        The requirements, as the grid has them.
-    loops, steps
-        Their loops and steps; None where they were not asked for.
+    setting
+        What is turned, and what is looked at.
     """
 
     study: ResolvedStudy
     sides: GridSides
-    looked: Looked
-    checks: tuple[Check, ...]
-    loops: LoopView | None
-    steps: StepView | None
+    setting: HandSetting
 
-    @property
+    @cached_property
     def corners(self) -> LinearModel:
         """The model whose family is the corners of the box."""
         return corner_model(self.sides.model)
+
+    @cached_property
+    def checks(self) -> tuple[Check, ...]:
+        """The requirements, as the grid has them."""
+        return grid_checks(self.sides, self.corners)
+
+    @cached_property
+    def looked(self) -> Looked:
+        """The plants that are looked at."""
+        setting = self.setting
+        with_path = setting.path == "with"
+        return looked_at(self.sides, self.corners, setting.plant, with_path=with_path)
+
+    @cached_property
+    def loops(self) -> LoopView:
+        """The chosen loop of the plants that are looked at."""
+        return loop_view(self.sides.model.gains, self.looked, self.setting.loop)
+
+    @cached_property
+    def steps(self) -> StepView:
+        """Their steps."""
+        return step_view(self.sides.model.gains, self.looked)
 
     def chain(self) -> tuple[Link, ...]:
         """Return the chain of gain factors on the corners of the box."""
         return corner_chain(self.corners, self.sides.omega)
 
 
-def picture(
-    study: ResolvedStudy, setting: HandSetting, *, loops: bool = True, steps: bool = True
-) -> Picture:
+def picture(study: ResolvedStudy, setting: HandSetting) -> Picture:
     """Return what is drawn of a setting.
 
     Parameters
@@ -67,8 +81,6 @@ def picture(
         The study as it is written.
     setting
         What is turned, and what is looked at.
-    loops, steps
-        Whether loops and steps are drawn.
 
     Raises
     ------
@@ -77,14 +89,4 @@ def picture(
     """
     numba.set_num_threads(1)  # threads cost more than they bring where few plants are asked
     made = setting.put_over(study)
-    model = LinearModel.of(made)
-    sides = grid_sides(model)
-    looked = looked_at(sides, setting.plant, with_path=setting.path == "with")
-    return Picture(
-        study=made,
-        sides=sides,
-        looked=looked,
-        checks=grid_checks(sides, corner_model(model)),
-        loops=loop_view(model.gains, looked, setting.loop) if loops else None,
-        steps=step_view(model.gains, looked) if steps else None,
-    )
+    return Picture(made, grid_sides(LinearModel.of(made)), setting)

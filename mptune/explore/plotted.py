@@ -23,6 +23,12 @@ def source(*columns: str) -> ColumnDataSource:
     return ColumnDataSource({name: [] for name in columns})
 
 
+def fill(kept: ColumnDataSource, data: dict[str, Any]) -> None:
+    """Fill a source; one that is empty and stays so is not sent anew."""
+    if any(map(len, (*kept.data.values(), *data.values()))):
+        kept.data = data
+
+
 class CurveSet:
     """Nominal and chosen plant and the corners' band, in one plot."""
 
@@ -61,7 +67,7 @@ class CurveSet:
         """Show the chosen plant of the setting kept as A, or nothing."""
         empty = x is None or values is None
         show_kept(self.plot, shown=not empty)
-        self.kept.data = {self._x: [], "chosen": []} if empty else _chosen(self._x, x, values)
+        fill(self.kept, {self._x: [], "chosen": []} if empty else _chosen(self._x, x, values))
 
 
 def _chosen(name: str, x: Any, values: Any) -> dict[str, Any]:

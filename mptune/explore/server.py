@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 import secrets
 import signal
 import time
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from bokeh.server.server import BaseServer
 from bokeh.server.tornado import BokehTornado
@@ -14,11 +15,14 @@ from panel.io.application import build_applications
 from panel.io.server import get_static_routes
 from tornado.httpserver import HTTPServer
 from tornado.ioloop import IOLoop, PeriodicCallback
+from tornado.iostream import StreamClosedError
 from tornado.netutil import bind_sockets
+from tornado.websocket import WebSocketClosedError
 
 from mptune.explore.gate import LOOPBACK, Gate, GuardedHeaders
 
 if TYPE_CHECKING:
+    from asyncio import AbstractEventLoop
     from collections.abc import Callable
 
     from panel.viewable import Viewable
@@ -79,6 +83,7 @@ class PageServer:
         for name in (signal.SIGINT, signal.SIGTERM):
             signal.signal(name, lambda *_: self._loop.add_callback_from_signal(self._loop.stop))
         logging.getLogger("tornado.access").setLevel(logging.WARNING)
+        self._loop.add_callback(_forgive_closed_tabs)
         self._server.start()
         if self._grace is not None:
             PeriodicCallback(self._look, _GLANCE).start()
@@ -95,3 +100,13 @@ class PageServer:
             self._seen, self._alone_since = True, now
         elif self._seen and now - self._alone_since >= (self._grace or 0.0):
             self._loop.stop()
+
+
+def _forgive_closed_tabs() -> None:
+    """Let the running loop report what failed unseen, but not that a tab had closed."""
+    asyncio.get_running_loop().set_exception_handler(_unless_a_tab_closed)
+
+
+def _unless_a_tab_closed(loop: AbstractEventLoop, context: dict[str, Any]) -> None:
+    if not isinstance(context.get("exception"), WebSocketClosedError | StreamClosedError):
+        loop.default_exception_handler(context)

@@ -17,6 +17,7 @@ from mptune.errors import MptuneError
 from mptune.explore import words
 from mptune.explore.history import History
 from mptune.explore.page import VIEWS, Page
+from mptune.explore.pause import WhenPausing
 from mptune.explore.picture import Picture, picture
 from mptune.explore.setting import KIND, HandSetting
 from mptune.explore.slow_work import SlowWork
@@ -29,9 +30,11 @@ if TYPE_CHECKING:
     from mptune.explore.jobs import CertifiedFigures, TunedSetting
     from mptune.explore.library import Library
     from mptune.explore.setting import Value
+    from mptune.robust.chain import Link
 
 _REST = 300  # ms without an event, after which a slider rests
-_STEPS = 120  # ms, after which the steps follow
+_FOLLOW = 150  # ms without an event, after which lamps and steps follow
+_LATEST = 0.5  # s, after which they follow anyway
 _WAITING = "grid figures; the certified verdict follows when the sliders rest"
 _PREPARING = "preparing; on first use kernels are compiled, which takes a minute"
 
@@ -57,10 +60,10 @@ class Session:
         self._now: Picture | None = None
         self._kept: Picture | None = None
         self._proved: CertifiedFigures | None = None
-        self._stepping = False  # the steps are on their way
         self._drawing = False  # a drawing is on its way
         self._broken = False  # what the knobs say is no study
-        self._resting: Any = None  # what waits for rest
+        self._resting = WhenPausing(self._document, self._rest, _REST)
+        self._following = WhenPausing(self._document, self._follow, _FOLLOW, _LATEST)
         self._say_next = ""  # beside the next picture
         self._quiet = False  # widgets are being placed, nobody turned them
         name = setting.study or library.names[0]
@@ -74,7 +77,7 @@ class Session:
         self._draw_soon()
         if self._document is not None:
             self._document.js_on_event("document_ready", self.page.at_first())
-        self._rest_soon()
+        self._resting.soon()
 
     def _first(self, query: str) -> tuple[HandSetting, str]:
         """Return the setting that an address says, or none and what is wrong with it."""
@@ -118,14 +121,15 @@ class Session:
             return
         self._shown = self._shown.turn(key, value, self._study)
         self._draw_soon()
-        self._rest_soon()
+        self._following.soon()
+        self._resting.soon()
 
     def _look(self, name: str, event: Any) -> None:
         if not self._quiet:
             self._shown = self._shown.looking(**{name: event.new})
             self._keep_picture()
             self._draw_soon()
-            self._rest_soon()
+            self._resting.soon()
 
     def _choose(self, study: str, uncertainty: str) -> None:
         if self._quiet:
@@ -146,7 +150,7 @@ class Session:
         self._place()
         self._keep_picture()
         self._draw_soon()
-        self._rest_soon()
+        self._resting.soon()
 
     def _keep(self) -> None:
         self._history = self._settled().keeping()
@@ -189,9 +193,7 @@ class Session:
         self._drawing = False
         view = self.page.view.value
         try:
-            found = picture(
-                self._study, self._shown, loops=view == VIEWS[1], steps=view == VIEWS[0]
-            )
+            found = picture(self._study, self._shown)
         except MptuneError as error:
             self._broken = True
             self.page.message.object = words.said(str(error), wrong=True)
@@ -202,29 +204,21 @@ class Session:
             self.page.verdict.object = words.verdict(None, _WAITING)
         self._now, self._broken = found, False
         with pn.io.hold():
-            self._show(found, view)
-
-    def _show(self, found: Picture, view: str) -> None:
-        page, kept = self.page, self._kept
-        if view == VIEWS[0]:
-            page.sides.show(found, kept)
-            self._show_steps_soon()
-        elif view == VIEWS[1]:
-            page.loops.show(found, kept)
-        self._show_lamps()
-
-    def _show_steps_soon(self) -> None:
-        """Let the steps follow both inequalities, some times a second: a browser draws slowly."""
+            if view == VIEWS[0]:
+                self.page.sides.show(found, self._kept)
+            elif view == VIEWS[1]:
+                self.page.loops.show(found, self._kept)
         if self._document is None:
-            self._show_steps()
-        elif not self._stepping:
-            self._stepping = True
-            self._document.add_timeout_callback(self._show_steps, _STEPS)
+            self._follow()
+        self._following.soon()
 
-    def _show_steps(self) -> None:
-        self._stepping = False
-        if self._now is not None and self._now.steps is not None:
-            with pn.io.hold():
+    def _follow(self) -> None:
+        """Let lamps and steps follow the curves: a browser draws slowly."""
+        if self._now is None or self._broken:
+            return
+        with pn.io.hold():
+            self._show_lamps()
+            if self.page.view.value == VIEWS[0]:
                 self.page.steps.show(self._now, self._kept)
 
     def _show_lamps(self) -> None:
@@ -236,13 +230,6 @@ class Session:
 
     # At rest.
 
-    def _rest_soon(self) -> None:
-        if self._document is None:
-            return
-        if self._resting is not None:
-            self._document.remove_timeout_callback(self._resting)
-        self._resting = self._document.add_timeout_callback(self._rest, _REST)
-
     def _settled(self) -> History:
         """Enter what is shown into history and address; return the history."""
         self._history = self._history.to(self._shown)
@@ -252,7 +239,6 @@ class Session:
         return self._history
 
     def _rest(self) -> None:
-        self._resting = None
         if self._drawing:
             self._draw()
         if self._now is None or self._broken:
@@ -261,12 +247,16 @@ class Session:
         page, now = self.page, self._now
         page.toml.value = as_toml(now.study, [key for key, _ in self._shown.turned])
         if self._proved is None:
-            page.chain.show(now.chain(), "corners; certified follows")
+            self._show_chain(now.chain(), "corners, on a grid")
             self._slow.certify(
                 self._library.ask(self._shown), lambda found: self._certified(now, found)
             )
         page.settle()
         self._slow.move(self._study, now, self._is_shown)
+
+    def _show_chain(self, links: tuple[Link, ...], grounds: str) -> None:
+        page = self.page
+        page.when_seen(VIEWS[2], "chain", lambda: page.chain.show(links, grounds))
 
     def _is_shown(self, found: Picture) -> bool:
         return self._now is not None and found.study == self._now.study
@@ -276,7 +266,7 @@ class Session:
             return
         self._proved = found
         self.page.verdict.object = words.verdict(found.judgement, "")
-        self.page.chain.show(found.links, "certified")
+        self._show_chain(found.links, "certified")
         self.page.settle()
         self._show_lamps()
 
@@ -294,11 +284,11 @@ class Session:
 
     def _save(self, *, over: bool = False) -> None:
         self._settled()
-        self._slow.save(self._library.ask(self._shown), self._rest_soon, over=over)
+        self._slow.save(self._library.ask(self._shown), self._resting.soon, over=over)
 
     def _save_figures(self) -> None:
         self._settled()
-        self._slow.draw(self._library.ask(self._shown), self._out, self._rest_soon)
+        self._slow.draw(self._library.ask(self._shown), self._out, self._resting.soon)
 
     # The end.
 

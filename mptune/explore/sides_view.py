@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mptune.explore.looks import Titles, band, decades, hover, line, link, new_plot, show_kept
-from mptune.explore.plotted import source
+from mptune.explore.plotted import fill, source
 from mptune.robust.place import plant_point
 from mptune.robust.tables import EQUATIONS
 
@@ -74,7 +74,7 @@ class SidesView:
                 "left": found.left[loop, [place]],
                 "ratio": [ratio],
             }
-            self._kept[loop].data = _sides_of(kept, loop)
+            fill(self._kept[loop], _sides_of(kept, loop))
             show_kept(plot, shown=kept is not None)
             equation = EQUATIONS[("velocity", "position")[loop]]
             self.titles.note(

@@ -50,11 +50,11 @@ class Written:
 
     def study(self, study: ResolvedStudy) -> ResolvedStudy:
         """Return the study with the position filter as written."""
-        controller = study.study.controller.model_copy(
+        estimator = study.study.estimator.model_copy(
             update={"position_filter": self.position_filter}
         )
         return study.model_copy(
-            update={"study": study.study.model_copy(update={"controller": controller})}
+            update={"study": study.study.model_copy(update={"estimator": estimator})}
         )
 
 

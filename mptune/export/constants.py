@@ -161,7 +161,7 @@ def controller_numbers(
         If a number does not fit into single precision.
     """
     controller = study.study.controller
-    signals, force = pack_signals(controller), pack_force(study)
+    signals, force = pack_signals(study.study.filtering), pack_force(study)
     law = discretise(pack_gains(gains), controller.sampling_period)._asdict()
     law["integral_rate"] = law.pop("integral")
     masses = study.uncertainty.mass

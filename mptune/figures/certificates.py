@@ -97,10 +97,9 @@ def _bars(axes: Axes, found: Certificates) -> None:
             "color": "white", "edgecolor": WORST["color"], "hatch": "////",
         }  # fmt: skip
         axes.barh(row, one.lower, height=0.55, **look)
-        axes.annotate(
-            f"{one.lower:.3g}", (max(one.lower, 1.0), row), xytext=(3, 0),
-            textcoords="offset points", va="center",
-        )  # fmt: skip  # right of the line at 1 too
+        text = "—" if one.unproved else f"{one.lower:.3g}"
+        place = max(one.lower, 1.0), row  # right of the line at 1 too
+        axes.annotate(text, place, xytext=(3, 0), textcoords="offset points", va="center")
     axes.axvline(1, **{**LIMIT, "linewidth": 0.8})
     axes.set_yticks(range(len(names)), [_NAMES[name] for name in names])
     axes.set_ylim(len(names) - 0.5, -0.5)

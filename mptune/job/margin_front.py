@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
 from mptune.files import write_whole
 from mptune.job.leftovers import keep
 from mptune.progress import silent
@@ -17,6 +19,7 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
     from mptune.tune.margin_front import MarginPoint
+    from mptune.tune.space import Choice
 
 
 def margin_front_files(
@@ -25,6 +28,7 @@ def margin_front_files(
     count: int,
     progress: Progress = silent,
     largest: float = LARGEST,
+    start: Choice | None = None,
 ) -> tuple[list[dict[str, Any]], tuple[Path, Path]]:
     """Find the front, run its points on the machine, draw it, and leave it for the report.
 
@@ -34,7 +38,7 @@ def margin_front_files(
         The study.
     folder
         The study's folder for results.
-    count, largest, progress
+    count, largest, progress, start
         As of ``mptune.tune.margin_front.margin_front``.
 
     Returns
@@ -45,13 +49,14 @@ def margin_front_files(
     from mptune.figures.margin_front import index_over_margin
     from mptune.figures.style import to_svg
 
-    rows = [on_the_machine(study, one) for one in margin_front(study, count, largest, progress)]
+    points = margin_front(study, count, largest, progress, start)
+    rows = [on_the_machine(study, one) for one in points]
     drawn = write_whole(folder / "margins.svg", to_svg(index_over_margin(rows)))
     return rows, (drawn, keep(folder, "margins", study, rows))
 
 
 def on_the_machine(study: ResolvedStudy, point: MarginPoint) -> dict[str, Any]:
-    """Return a point's row: the machine's worst index over its masses beside the linear figures.
+    """Return a point's row: the machine's index on each mass, and at worst, beside the linear ones.
 
     Parameters
     ----------
@@ -60,6 +65,15 @@ def on_the_machine(study: ResolvedStudy, point: MarginPoint) -> dict[str, Any]:
     point
         A point of the front.
     """
-    found = verify(point.put_over(study))
-    index = max((case.badness for case in found.cases), default=float("nan"))
-    return strict({**point.json(), "performance_index_ms": index})
+    cases = verify(point.put_over(study)).cases
+    by_mass = [
+        {
+            "mass_kg": mass,
+            "performance_index_ms": float(
+                np.mean([case.badness for case in cases if case.mass_kg == mass])
+            ),
+        }
+        for mass in sorted({case.mass_kg for case in cases})
+    ]
+    worst = max((case.badness for case in cases), default=float("nan"))
+    return strict({**point.json(), "performance_index_ms": worst, "by_mass": by_mass})

@@ -12,12 +12,13 @@ from mptune.job.gains import gains_file
 from mptune.job.leftovers import keep
 from mptune.job.margin_front import margin_front_files
 from mptune.params.gains import write_gains
+from mptune.params.pack import pack_gains
 from mptune.progress import silent
 from mptune.robust.headline import judge_sweep
 from mptune.sim.sampled import linear_moves
 from mptune.tune.baselines import Baseline, baselines
 from mptune.tune.front import Front, front
-from mptune.tune.space import STRUCTURES
+from mptune.tune.space import STRUCTURES, Choice
 from mptune.tune.tuner import tune
 
 if TYPE_CHECKING:
@@ -107,7 +108,8 @@ def tune_study(
     margins: tuple[dict[str, Any], ...] = ()
     if points and along == "disk_margin":
         progress("front", 0.0)
-        rows, more = margin_front_files(study, folder, points, progress)
+        best = Choice(pack_gains(tuned.gains), tuned.feedforward, tuned.estimator)
+        rows, more = margin_front_files(study, folder, points, progress, start=best)
         margins, files = tuple(rows), [*files, *more]
     elif points:
         progress("front", 0.0)

@@ -17,9 +17,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.arrays import frozen
 from mptune.signals.conditioning import filter_response
 from mptune.signals.differentiator import differentiator_over_s
-from mptune.signals.estimator import heard
+from mptune.signals.estimator import heard_along
 
 if TYPE_CHECKING:
     from mptune.arrays import ComplexArray, FloatArray
@@ -45,11 +46,12 @@ def pressure_gram(tau: float, path: MeasurementPath) -> FloatArray:
     return _gram(tau, path, of_force=True)
 
 
+@lru_cache(maxsize=64)  # a search's gradient turns other gains than τ most of the time
 def _gram(tau: float, path: MeasurementPath, *, of_force: bool) -> FloatArray:
     s, place, speed, weight = _fixed_parts(path, of_force=of_force)
     shape = place / (tau * s + 1) ** 2  # Eq. 22, first denominator
     parts = np.stack([speed, shape, s * shape, s * s * shape])
-    return np.asarray(((parts * weight) @ parts.conj().T).real)
+    return frozen(((parts * weight) @ parts.conj().T).real)
 
 
 @lru_cache(maxsize=16)
@@ -73,7 +75,7 @@ def _heard(
     if path.estimator_mass == 0:
         place = filter_response(s, path.sample_time, path.filter_pole)
         return place, place * s * differentiator_over_s(s, path.sample_time)  # Eq. 23
-    known = np.array([heard(one, path) for one in s], np.complex128).T  # in the order of Heard
+    known = heard_along(s, path)
     place, speed = known[2:] if of_force else known[:2]
     return place, speed
 

@@ -9,10 +9,11 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.errors import Fault
+from mptune.params.advice import advice_on
 from mptune.params.chambers import NUMBERS
-from mptune.params.demand import force_demand, slowest_valves, supply_demand
+from mptune.params.demand import flow_demand, force_demand, slowest_valves
 from mptune.params.doubts import Doubt
-from mptune.params.valve_states import valve_states
+from mptune.params.valve_states import number_of_states
 from mptune.units import shown
 
 if TYPE_CHECKING:
@@ -22,6 +23,9 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy, Study
 
 _SAME = 1e-9  # relative: nearer values are the same
+_MOST_VALVES = 1000  # of a side
+_MOST_COUNTED = 10_000  # states of a side, after which they are many
+_FEWER = "take fewer valves"
 _DELAYS = ("delay", "delay_as_it_runs")
 
 
@@ -53,7 +57,8 @@ def doubts_of(resolved: ResolvedStudy) -> tuple[Doubt, ...]:
         *_tried_elsewhere(resolved),
         *slowest_valves(study),
         *force_demand(study),
-        *supply_demand(study),
+        *flow_demand(study),
+        *advice_on(study),
     )
 
 
@@ -98,16 +103,25 @@ def _heavy_loads(study: Study, written: frozenset[str]) -> Iterator[Fault]:
 
 def _combinations(study: Study) -> Iterator[Fault]:
     """Refuse more combinations of all chambers' states than a decision is to look at."""
-    states, most = len(valve_states(study.edge_rule)), study.controller.max_combinations
+    rule, most = study.edge_rule, study.controller.max_combinations
     chambers = len(study.all_chambers)
+    if rule.valves > _MOST_VALVES:
+        yield Fault(
+            "edges", f"{rule.valves} valves of a chamber", f"are more than {_MOST_VALVES}", _FEWER
+        )
+        return
+    states = number_of_states(rule, _MOST_COUNTED)  # every choice among n valves makes 2ⁿ
+    of_each = f"states of each of {chambers} chambers and"
+    if states > _MOST_COUNTED:
+        made = f"make over {_MOST_COUNTED} {of_each} {_MOST_COUNTED**chambers} combinations"
+    else:
+        made = f"make {states} {of_each} {states**chambers} combinations"
     if states**chambers > most:
         yield Fault(
             "edges",
-            f"{study.edge_rule.valves} valves of a chamber",
-            f"make {states} states of each of {chambers} chambers and {states**chambers} "
-            "combinations, more than "
-            f"controller.max_combinations = {most}",
-            "take fewer valves or kinds of states, or raise it",
+            f"{rule.valves} valves of a chamber",
+            f"{made}, more than controller.max_combinations = {most}",
+            f"{_FEWER} or kinds of states, or raise it",
         )
 
 

@@ -32,10 +32,20 @@ class Estimator(Section):
         "kg", "m̂", "mass that the state estimator believes in; the least of the family", None,
         at_least=10, at_most=1e7,
     )  # fmt: skip
+    position_filter: float | None = quantity(
+        "s", "τ_x", "time constant of the position filter, in the place of the controller's", None,
+        at_least=1e-6, at_most=10,
+    )  # fmt: skip
     reference_injection: bool = Field(
         default=False,
         description="tell the estimator what its mass and the feed-forward's disagree on",
     )
+
+    def unused(self, key: str) -> bool:
+        """Return whether a quantity belongs to the other kind, or is left to the controller."""
+        if key == "position_filter":
+            return self.kind == "state" or self.position_filter is None
+        return self.kind == "filters"
 
 
 def place_estimator(bandwidth: float, sample_time: float) -> EstimatorGains:

@@ -73,7 +73,7 @@ def pack_estimator(study: ResolvedStudy) -> StateEstimator:
 
 def pack_measured(study: ResolvedStudy) -> MeasurementPath:
     """Return the measurement path as it runs: the filters', or the state estimator's."""
-    path, by = pack_filters(study.study.controller), pack_estimator(study)
+    path, by = pack_filters(study.study.filtering), pack_estimator(study)
     if by.mass == 0:
         return path
     time = 1 / study.study.estimator.bandwidth
@@ -130,7 +130,7 @@ def pack_path(study: ResolvedStudy) -> MeasurementPath:
     """Return the measurement path that the study's linear model includes."""
     if study.study.model.measurement_path == "none":
         return NO_PATH
-    return pack_filters(study.study.controller)
+    return pack_filters(study.study.filtering)
 
 
 def pack_nominal(study: ResolvedStudy, *, explicit: bool = False) -> NominalPlant:

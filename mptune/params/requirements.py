@@ -134,11 +134,12 @@ def _checked_ratio(value: Any) -> float:
 Kind = Literal["tracking", "disturbance", "load-step", "bandwidth", "robustness"]
 Turned = Literal[
     "acceleration_mass", "preview", "reference_lag", "velocity_reference_lag",
-    "estimator_bandwidth", "estimator_mass",
+    "estimator_bandwidth", "estimator_mass", "position_filter",
 ]  # fmt: skip
 """What the tuner may turn beside the gains.
 
-Friction is not among it: the linear loop has none, and could not tell what to feed forward.
+Friction is not among it: the linear loop has none, and could not tell what to feed forward. Nor are
+the filters of pressures: they serve the decision alone, which the linear loop does not hold.
 """
 
 

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
+from mptune.escaping import toml_key
 from mptune.params.campaign import Campaign
 from mptune.params.chambers import SHORT_FORM, Chamber, Side, chambers_of, check_chambers
 from mptune.params.controller import Controller, Feedforward, Gains
@@ -129,6 +130,18 @@ class Study(Summarised, Section):
 
     @model_validator(mode="after")
     def _an_estimator_to_turn(self) -> Self:
+        if "position_filter" in self.objective.turned:
+            if self.estimator.kind == "state":
+                refuse(
+                    "has position_filter in objective.free, but a state estimator in its place",
+                    'set estimator.kind = "filters", or leave it out',
+                )
+            if self.model.measurement_path == "filters":
+                refuse(
+                    "has position_filter in objective.free, and in both inequalities, whose "
+                    "largest velocity gain is known for one filter only",
+                    'set model.measurement_path = "none", or leave it out',
+                )
         turned = [one for one in self.objective.turned if one.startswith("estimator_")]
         if turned and self.estimator.kind == "filters":
             refuse(
@@ -141,6 +154,14 @@ class Study(Summarised, Section):
     def headline(self) -> str:
         """The title."""
         return f"Study {self.title}".rstrip()
+
+    @property
+    def filtering(self) -> Controller:
+        """The controller with the position filter that was chosen with the gains, where one was."""
+        chosen = self.estimator.position_filter
+        if chosen is None:
+            return self.controller
+        return self.controller.model_copy(update={"position_filter": chosen})
 
     def reach(self) -> tuple[float, float]:
         """Return the least and the largest position of the piston on its moves [m]."""
@@ -250,8 +271,8 @@ class ResolvedStudy(Summarised, Section):
         return f"Study {self.name}, uncertainty {self.uncertainty_name or 'default'}"
 
     def key_of(self, name: str) -> str:
-        """Return the dotted key of a value of the chosen uncertainty set."""
-        chosen = f"sets.{self.uncertainty_name}." if self.uncertainty_name else ""
+        """Return the dotted key of a value of the chosen uncertainty set, as TOML has it."""
+        chosen = f"sets.{toml_key(self.uncertainty_name)}." if self.uncertainty_name else ""
         return f"uncertainty.{chosen}{name}"
 
     @property

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.arrays import FloatArray, kernel
+from mptune.arrays import FloatArray, lending_kernel
 from mptune.params.packed import LINE_ROWS, SIZE
 
 if TYPE_CHECKING:
     from mptune.plant.valve import ValveState
 
 
-@kernel
+@lending_kernel
 def open_valves_of_chambers(
     valves: ValveState,
     edge: FloatArray,

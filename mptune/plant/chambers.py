@@ -10,7 +10,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
-from mptune.arrays import FloatArray, inlined_kernel, kernel
+from mptune.arrays import FloatArray, inlined_kernel, lending_kernel
 from mptune.params.packed import (
     AREA,
     BASE,
@@ -53,7 +53,7 @@ def place_of(chamber: int, machine: Machine) -> int:
     return states_of(machine) + chamber - _OF_ALL
 
 
-@kernel
+@lending_kernel
 def chambers_force(state: FloatArray, machine: Machine, chambers: FloatArray) -> float:
     """Return the force of all chambers on the piston [N]."""
     force = 0.0
@@ -62,7 +62,7 @@ def chambers_force(state: FloatArray, machine: Machine, chambers: FloatArray) ->
     return force
 
 
-@kernel
+@lending_kernel
 def rates_of_chambers(
     state: FloatArray,
     lines: FloatArray,

@@ -24,7 +24,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mptune.arrays import Complex, FloatArray, kernel
+from mptune.arrays import Complex, ComplexArray, FloatArray, kernel
 from mptune.signals.states import (
     LAST_VELOCITY_REFERENCE,
     LOAD_HEARD,
@@ -101,3 +101,12 @@ def heard(s: Complex, path: MeasurementPath) -> Heard:
         (1 - path.l_1) * slope * (1 + late) / 2 * below / path.estimator_mass,
         slope * (slope + first * late - time * second / 2) * below / path.estimator_mass,
     )
+
+
+@kernel
+def heard_along(s: ComplexArray, path: MeasurementPath) -> ComplexArray:
+    """Return ``(4, F)`` the estimator's responses at each s, in the order of ``Heard``."""
+    found = np.empty((4, len(s)), np.complex128)
+    for n in range(len(s)):
+        found[:, n] = np.array(heard(s[n], path))
+    return found

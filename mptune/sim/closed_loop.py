@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mptune.arrays import FloatArray, kernel
+from mptune.arrays import FloatArray, kernel, lending_kernel
 from mptune.force.chambers import decide_of_chambers
 from mptune.force.cost import force_limits, line_pressures
 from mptune.force.select import decide
@@ -205,7 +205,7 @@ def _control(
     )
 
 
-@kernel
+@lending_kernel
 def _switch(
     memory: Memory,
     space: SearchSpace,
@@ -223,7 +223,7 @@ def _switch(
                 command(memory.valves, each * side + valve, wanted, now + delay)
 
 
-@kernel
+@lending_kernel
 def _record(
     row: FloatArray,
     memory: Memory,

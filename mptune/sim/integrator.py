@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mptune.arrays import FloatArray, inlined_kernel, kernel
+from mptune.arrays import FloatArray, inlined_kernel, kernel, lending_kernel
 from mptune.params.packed import LINE_ROWS, OPEN_ROWS
 from mptune.plant.chamber_valves import open_valves_of_chambers
 from mptune.plant.chambers import place_of, rates_of_chambers
@@ -59,7 +59,7 @@ class Work(NamedTuple):
     edge: FloatArray  # (2, W/2) line and size of each valve of a side
 
 
-@kernel
+@lending_kernel
 def opening(
     valves: ValveState,
     edge: FloatArray,
@@ -120,7 +120,7 @@ def new_work(
     return work
 
 
-@kernel
+@lending_kernel
 def integrate(
     state: FloatArray,
     energy: FloatArray,
@@ -255,5 +255,5 @@ def _stops(state: FloatArray, machine: Machine, further: int) -> None:
 
 
 runge_kutta = inlined_kernel(_stepper(rates, 0, 0))
-runge_kutta_with_lines = kernel(_stepper(rates_with_lines, LINE_STATES, _FURTHER))
-runge_kutta_of_chambers = kernel(_stepper(rates_of_chambers, _FURTHER, _FURTHER))
+runge_kutta_with_lines = lending_kernel(_stepper(rates_with_lines, LINE_STATES, _FURTHER))
+runge_kutta_of_chambers = lending_kernel(_stepper(rates_of_chambers, _FURTHER, _FURTHER))

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.arrays import FloatArray, kernel
+from mptune.arrays import FloatArray, lending_kernel
 from mptune.params.packed import AREA
 from mptune.plant.chambers import place_of
 from mptune.plant.machine import CONVERTER, OIL, PRESSURE_A, PRESSURE_B, X
@@ -30,7 +30,7 @@ if TYPE_CHECKING:
     from mptune.signals.outer_loop import OuterLaw
 
 
-@kernel
+@lending_kernel
 def _sensed_position(memory: Memory, signals: SignalSettings) -> float:
     """Return where the position sensor's hysteresis stands [m]."""
     hysteresis = signals.sensors.hysteresis
@@ -41,7 +41,7 @@ def _sensed_position(memory: Memory, signals: SignalSettings) -> float:
     return place
 
 
-@kernel
+@lending_kernel
 def _sensed_pressure(
     pressure: float, chamber: int, sensors: SensorErrors, more: MoreChambers
 ) -> float:
@@ -51,7 +51,7 @@ def _sensed_pressure(
     return sensors.gain_b * pressure + sensors.offset_b
 
 
-@kernel
+@lending_kernel
 def measure(  # noqa: C901, PLR0912 - one signal after another, in one loop for speed
     memory: Memory,
     machine: Machine,
@@ -114,7 +114,7 @@ def measure(  # noqa: C901, PLR0912 - one signal after another, in one loop for 
     know_load(memory.outer, law.ahead, signals, place, force, v_ref)
 
 
-@kernel
+@lending_kernel
 def know_load(
     outer: FloatArray,
     ahead: FeedforwardTuple,

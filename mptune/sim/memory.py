@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING, NamedTuple
 
-from mptune.arrays import FloatArray, IntArray, kernel
+from mptune.arrays import FloatArray, IntArray, lending_kernel
 from mptune.signals.states import OUTER_STATES
 
 if TYPE_CHECKING:
@@ -35,7 +35,7 @@ class Memory(NamedTuple):
     choice: IntArray  # (C,) valve states of the chambers, A and B first
 
 
-@kernel
+@lending_kernel
 def chamber_of_signal(signal: int, converters: int) -> int:
     """Return the chamber whose pressure a signal is; −1 of other signals."""
     if 1 <= signal <= FIRST_CHAMBERS:

@@ -154,7 +154,7 @@ def linear_moves(
     machine = study.study
     gains = gains or machine.gains
     moves = moves_of(machine.manoeuvre)
-    path = pack_filters(machine.controller)
+    path = pack_filters(machine.filtering)
     ahead = pack_feedforward(
         feedforward or machine.feedforward, path.sample_time, study.uncertainty.mass
     )

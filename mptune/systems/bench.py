@@ -55,7 +55,7 @@ class LoadBench(NamedTuple):
 def bench_of(study: ResolvedStudy, case: LoadCase) -> LoadBench:
     """Return the bench of one case."""
     machine = pack_machine(study, case.mass, case.oil_bulk_modulus, case.load_force)
-    table, signals = pack_table(study), pack_signals(study.study.controller)
+    table, signals = pack_table(study), pack_signals(study.study.filtering)
     moves, period = moves_of(study.study.manoeuvre), study.study.controller.sampling_period
     start = study.study.verification.start
     return LoadBench(

@@ -16,6 +16,7 @@ from mptune.robust.sweep import noises_of
 from mptune.strict import strict
 from mptune.summary import Summarised
 from mptune.tune.front import asking_for
+from mptune.tune.polish import ITERATIONS
 from mptune.tune.tuner import Tuner
 
 if TYPE_CHECKING:
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from mptune.tune.space import Choice
 
 LARGEST = 0.8  # disk margin: a gain margin of at least 2.3, a phase margin of 44°
+_ITERATIONS = 40  # of a polish from the neighbour, which is near; it goes on while that pays
 
 
 @dataclass(frozen=True)
@@ -86,7 +88,11 @@ class MarginPoint(Summarised):
 
 
 def margin_front(
-    study: ResolvedStudy, count: int, largest: float = LARGEST, progress: Progress = silent
+    study: ResolvedStudy,
+    count: int,
+    largest: float = LARGEST,
+    progress: Progress = silent,
+    start: Choice | None = None,
 ) -> tuple[MarginPoint, ...]:
     """Return the least tracking index for each of ``count`` disk margins at F_ref as it runs.
 
@@ -104,12 +110,15 @@ def margin_front(
         The largest disk margin.
     progress
         Told of the stage ``"front"``.
+    start
+        Where the first search starts, the best tracking if it is known; from all over where None.
     """
     tracking = asking_for(study, "tracking")
     tuner = Tuner(_keeping(tracking, None))
     if tuner.blocked:
         return ()
-    found = tuner.searched()[1]
+    budget = ITERATIONS if start is None else _ITERATIONS
+    found = tuner.searched(first=start, iterations=budget)[1]
     least = tuner.figures(found.choice).disk_margin
     points, last = [], found.choice
     if found.feasible:
@@ -117,7 +126,7 @@ def margin_front(
     for n, asked in enumerate(np.linspace(least, largest, count)[1:], 1):
         progress("front", n / count)
         tuner = Tuner(_keeping(tracking, float(asked)))
-        found = tuner.searched(first=last)[1]
+        found = tuner.searched(first=last, iterations=_ITERATIONS)[1]
         if found.feasible:
             last, converged = found.choice, found.converged
             points.append(_point(tracking, tuner, last, float(asked), converged=converged))

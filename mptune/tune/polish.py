@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from mptune.arrays import BoolArray, FloatArray
 
 _STEP = 1e-5  # of the forward differences, on logarithmic scales
-_ITERATIONS = 150
+ITERATIONS = 150
 _PRECISION = 1e-6
 _MET = 1e-6  # an excess that counts as none
 _SAME = 1e-4  # of the objective: two points that differ by less are worth the same
@@ -152,6 +152,7 @@ def polish(
     low: FloatArray,
     high: FloatArray,
     relieved: BoolArray | None = None,
+    iterations: int = ITERATIONS,
 ) -> Polished:
     """Return the best point near the start.
 
@@ -166,6 +167,8 @@ def polish(
     relieved
         ``(C,)`` true for excesses to be made small instead of the objective, the others kept: how
         far a requirement would have to give.
+    iterations
+        How many at most.
     """
     first = _scaled(evaluate(start), 1.0)
     if len(start) == 0:
@@ -204,7 +207,7 @@ def polish(
         method="SLSQP",
         bounds=[*zip(low, high, strict=True), unbounded],
         constraints={"type": "ineq", "fun": room, "jac": room_slopes},
-        options={"maxiter": _ITERATIONS, "ftol": _PRECISION},
+        options={"maxiter": iterations, "ftol": _PRECISION},
     )
     converged = bool(result.success) and search.ends_at_best(result.x[:-1])
     best = _scaled(search.best_values, unit)

@@ -10,7 +10,7 @@ import numpy as np
 
 from mptune.progress import silent
 from mptune.tune.excesses import Excesses
-from mptune.tune.polish import Polished, polish
+from mptune.tune.polish import ITERATIONS, Polished, polish
 from mptune.tune.result import Concession, Round
 from mptune.tune.space import Choice, Space, space_of
 from mptune.tune.starts import first_points, screened
@@ -85,6 +85,8 @@ class GainSearch:
         Bounds that replace the study's.
     hand
         What is kept in hand of the requirements, see ``Excesses``.
+    iterations
+        Of one polish, at most.
     """
 
     def __init__(
@@ -96,8 +98,10 @@ class GainSearch:
         structure: str = "eq22",
         extra: dict[str, Range] | None = None,
         hand: Mapping[str, float] | None = None,
+        iterations: int = ITERATIONS,
     ) -> None:
         self._model, self._judge, self._before = model, judge, before
+        self._iterations = iterations
         self._space = space_of(model, largest_velocity_gain, structure, extra)
         own = model.gains.k_p_vel if self._space.crowded else largest_velocity_gain
         self._start = model.gains._replace(k_p_vel=min(own, largest_velocity_gain))
@@ -238,7 +242,8 @@ class GainSearch:
 
     def _polish(self, start: FloatArray, relieved: np.ndarray | None = None) -> Polished:
         evaluate = self._worth.of if relieved is None else self._worth.of_requirements
-        found = polish(evaluate, start, self._space.low, self._space.high, relieved)
+        low, high = self._space.low, self._space.high
+        found = polish(evaluate, start, low, high, relieved, self._iterations)
         self._evaluations += found.evaluations
         return found
 

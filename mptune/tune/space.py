@@ -21,11 +21,10 @@ import numpy as np
 
 from mptune.params.controller import Feedforward, Gains
 from mptune.params.estimator import Estimator
-from mptune.params.pack import pack_measured
+from mptune.params.pack import pack_measured, pack_path
+from mptune.tune.beside import BESIDE, Beside
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
-
     from mptune.arrays import FloatArray
     from mptune.params.packed import LoopGains
     from mptune.params.section import Range, Section
@@ -38,7 +37,6 @@ _OF_STRUCTURE = {
     "pid": ("k_p_pos", "k_i_pos", "k_d_pos", "tau"),
     "eq22": ("k_p_pos", "k_i_pos", "omega", "xi", "tau"),
 }
-_LONGEST_LAG = 0.1  # s
 _LEAST_SHARE = 0.1  # of the largest velocity gain
 OTHERS = (
     "sensitivity_peak", "complementary_peak", "sampled_sensitivity_peak", "gain_margin",
@@ -46,44 +44,6 @@ OTHERS = (
     "settling_time", "tracking_index", "noise_gain", "noise_force",
 )  # fmt: skip
 """Requirements on linear figures beside those of Eq. 17 and Eq. 21."""
-
-
-_SLOWEST_ESTIMATOR, _FASTEST_ESTIMATOR = 5.0, 200.0  # rad/s
-
-
-class Beside(NamedTuple):
-    """What may be free beside the controller's gains: one row of ``BESIDE`` makes it so."""
-
-    part: str  # field of ``Choice`` that holds it
-    name: str  # its name there
-    unit: float  # its scale: it may be 0, and so is not searched on a logarithmic one
-    bounds: Callable[[LinearModel], Range]  # where the study does not say
-
-
-def _up_to(largest: float) -> Callable[[LinearModel], Range]:
-    return lambda _: (0.0, largest)
-
-
-def _masses(model: LinearModel, least: float, largest: float) -> Range:
-    """Return shares of the family's least and largest mass [kg]."""
-    return least * float(model.plants.mass.min()), largest * float(model.plants.mass.max())
-
-
-BESIDE = {
-    "acceleration_mass": Beside(
-        "feedforward", "acceleration_mass", 1e4, lambda model: _masses(model, 0.0, 2.0)
-    ),
-    "preview": Beside("feedforward", "preview", 1e-2, _up_to(_LONGEST_LAG)),
-    "reference_lag": Beside("feedforward", "reference_lag", 5e-3, _up_to(_LONGEST_LAG)),
-    "velocity_reference_lag": Beside(
-        "feedforward", "velocity_reference_lag", 5e-3, _up_to(_LONGEST_LAG)
-    ),
-    "estimator_bandwidth": Beside(
-        "estimator", "bandwidth", 10.0, lambda _: (_SLOWEST_ESTIMATOR, _FASTEST_ESTIMATOR)
-    ),
-    "estimator_mass": Beside("estimator", "mass", 1e4, lambda model: _masses(model, 0.5, 1.0)),
-}
-"""By its name in ``objective.free``; what is not here is a gain, searched on its logarithm."""
 
 
 class Choice(NamedTuple):
@@ -95,10 +55,12 @@ class Choice(NamedTuple):
 
     @classmethod
     def of(cls, model: LinearModel) -> Choice:
-        """Return what the study itself says, the estimator's mass spelt out."""
+        """Return what the study itself says, spelt out what the estimator leaves to others."""
         own, known = model.study.study, model.filters.estimator_mass
-        estimator = own.estimator.model_copy(update={"mass": known}) if known else own.estimator
-        return cls(model.gains, own.feedforward, estimator)
+        spelt: dict[str, float] = {"mass": known} if known else {}
+        if "position_filter" in own.objective.turned:
+            spelt["position_filter"] = own.filtering.position_filter
+        return cls(model.gains, own.feedforward, own.estimator.model_copy(update=spelt))
 
     def put_over(self, model: LinearModel) -> LinearModel:
         """Return a model around this candidate's estimator, gains and feed-forward left alone."""
@@ -107,7 +69,7 @@ class Choice(NamedTuple):
             return model
         inner = inner.model_copy(update={"estimator": self.estimator})
         study = model.study.model_copy(update={"study": inner})
-        return replace(model, study=study, filters=pack_measured(study))
+        return replace(model, study=study, path=pack_path(study), filters=pack_measured(study))
 
 
 @dataclass(frozen=True)

@@ -15,6 +15,7 @@ from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
 from mptune.tune.excesses import AS_IT_RUNS
 from mptune.tune.objective import Judge
+from mptune.tune.polish import ITERATIONS
 from mptune.tune.result import Blocking, TuneResult, TuneStatus
 from mptune.tune.search import GainSearch, Searched, nothing
 from mptune.tune.space import Choice
@@ -140,11 +141,20 @@ class Tuner:
         extra: dict[str, Range] | None = None,
         first: Choice | None = None,
         progress: Progress = silent,
+        *,
+        iterations: int = ITERATIONS,
     ) -> tuple[GainSearch, Searched]:
         """Return a search and its outcome, without the whole family's verdict."""
         k_p_vel = self._velocity.k_p_vel
         search = GainSearch(
-            self._model, self._judge, self._before, k_p_vel, structure, extra, self._hand
+            self._model,
+            self._judge,
+            self._before,
+            k_p_vel,
+            structure,
+            extra,
+            self._hand,
+            iterations,
         )
         return search, search.run(first, progress)
 

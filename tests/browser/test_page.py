@@ -51,6 +51,8 @@ def handle(page):
 
 def test_turned_by_mouse_and_keys_it_shows_what_sweep_finds(browser, address, study_file):
     page, said, asked = opened(browser, address)
+    assert page.get_by_label("K_P,vel", exact=False).and_(handle(page)).count() == 1
+    assert page.locator(".noUi-handle:not([aria-label])").count() == 0
     before = ratio(page)
     box = handle(page).bounding_box()
     page.mouse.move(box["x"] + box["width"] / 2, box["y"] + box["height"] / 2)

@@ -24,7 +24,7 @@ from mptune.robust.tables import place_text
 from mptune.units import number
 
 if TYPE_CHECKING:
-    from mptune.certify.result import Bound, Bracket
+    from mptune.certify.result import Bound
     from mptune.report.results import Results
     from mptune.robust.certificates import Certificates
 
@@ -117,7 +117,7 @@ def radii(found: Certificates) -> Tabular:
     rows: list[Row] = [
         [
             _FAILS[name],
-            number(one.lower, 4),
+            "—" if one.unproved else number(one.lower, 4),
             number(one.upper, 4),
             Cell(place_text(place_of(one.at)), "small"),
         ]
@@ -125,8 +125,3 @@ def radii(found: Certificates) -> Tabular:
     ]
     columns = [wide("The box may grow until"), *right("safe up to", "fails at")]
     return Tabular("How far the box may grow", [*columns, wide("Where", detail=True)], rows)
-
-
-def radius_text(name: str, one: Bracket) -> str:
-    """Return one radius in a line."""
-    return f"{_FAILS[name]}: {number(one.lower, 4)} to {number(one.upper, 4)}"

@@ -63,7 +63,7 @@ def controller(results: Results) -> Chapter:
         Heading(f"Discrete: Tustin's approximation at T_S = {period}"),
         equations("tustin"),
         Tabular("Discrete", columns, discrete),
-        *_filters(settings).titled(),
+        *_filters(results.sweep.study.study.filtering).titled(),
         Note(
             "Positions and pressures pass a median of three samples before their first-order "
             "filter; the velocity is Eq. 23 of the filtered position:"

@@ -181,6 +181,7 @@ def gains(
         for one, other in zip(found, before, strict=True)
         if not (one == other and one in nothing)
         for key, unit, mark, meaning in one.quantities()
+        if not (isinstance(one, Estimator) and one.unused(key))
     ]
     key, meaning = Column("Key", detail=True), wide("Meaning", detail=True)
     return Tabular("Gains", [*left("Symbol"), key, *right("Value", heading), meaning], rows)

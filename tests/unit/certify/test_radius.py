@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 
 import pytest
 
@@ -97,3 +98,16 @@ def test_with_the_path_in_the_equations(published):
 def test_no_hold_fits_into_a_delay_below_half_a_period(varied):
     with pytest.raises(ValueError, match="T_S/2"):
         radius(varied(delay=(0.004, 0.014)), "sampled")
+
+
+def test_around_an_estimator_the_box_itself_is_where_proofs_begin(estimated):
+    """From a nominal plant without lag the proof does not come away: the box is proved alone."""
+    lags = {"tau_a": (1e-4, 0.0122), "tau_b": (1e-4, 0.0119)}
+    problem = replace(estimated, box=replace(estimated.box, **lags))
+    found = radius(problem, "sampled", tolerance=1.0)
+    print(f"{found.lower:.4f} to {found.upper:.4f}, {found.boxes} boxes")
+    assert found.closed
+    assert 1 <= found.lower <= found.upper <= 2 * found.lower
+    assert not stable_plants(problem, plants_of(list(found.at[:4]), problem.share_a), "sampled")[
+        0
+    ].any()

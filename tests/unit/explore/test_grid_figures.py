@@ -69,7 +69,7 @@ def test_requirements_on_margins_are_asked_of_the_corners(load_boom):
 @pytest.mark.parametrize("plant", PLANTS)
 def test_every_plant_can_be_looked_at(shown, plant):
     for with_path in (False, True):
-        looked = looked_at(shown.sides, plant, with_path=with_path)
+        looked = looked_at(shown.sides, shown.corners, plant, with_path=with_path)
         mass, delay = looked.plants.mass[CHOSEN], looked.plants.delay[CHOSEN]
         heavy, slow = "heaviest" in plant, "slowest" in plant or "worst" in plant
         assert mass == (49e3 if heavy else 24.5e3)
@@ -96,7 +96,7 @@ def test_beside_a_state_estimator_steps_are_those_without_path(load_boom):
     study = load_boom('estimator.kind="state"', corners=True)
     found = picture(study, HandSetting(path="with"))
     assert not found.steps.along
-    plain = looked_at(found.sides, PLANTS[0], with_path=False)
+    plain = looked_at(found.sides, found.corners, PLANTS[0], with_path=False)
     bare = step_view(found.sides.model.gains, plain)
     assert bare.position.value.shape == found.steps.position.value.shape
     assert corner_model(found.sides.model).plants.number == 8

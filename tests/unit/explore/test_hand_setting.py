@@ -12,7 +12,7 @@ from mptune.params.load import load_study
 TURNED = {
     "gains.k_p_vel": 650e3,
     "uncertainty.mass": (20e3, 60e3),
-    "controller.position_filter": 0.01,
+    "estimator.position_filter": 0.01,
     "feedforward.acceleration_mass": 2e4,
     KIND: "state",
 }
@@ -99,7 +99,7 @@ def test_toml_that_is_copied_loads_as_the_same_controller(study, turned, study_f
     names = {line.split(" = ")[0]: line.split(" = ")[1] for line in lines}
     assert names["k_p_vel"] == '"650000.0 N s/m"'
     sections = {
-        "position_filter": "controller",
+        "position_filter": "estimator",
         "kind": "estimator",
         "acceleration_mass": "feedforward",
     }

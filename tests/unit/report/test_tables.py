@@ -5,9 +5,11 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from mptune.certify.result import Bracket
 from mptune.params.controller import Feedforward
 from mptune.params.estimator import Estimator
 from mptune.report.blocks import Cell, verdict
+from mptune.report.content.certificates import radii
 from mptune.report.content.closed_loop import machines
 from mptune.report.content.front import gains, requirements, tuning, warnings
 from mptune.report.content.loops import condition_text, conditions, margins
@@ -55,6 +57,13 @@ def test_conditions_of_one_set_of_gains_need_no_name_and_of_two_they_do(swept):
 def test_each_premise_that_fails_is_named(swept, change, words):
     changed = replace(swept, velocity=replace(swept.velocity, **change))
     assert column(conditions({"own": changed}), "Premises") == [words, verdict("hold", good=True)]
+
+
+@pytest.mark.parametrize(("closed", "text"), [(True, "0"), (False, "—")])
+def test_a_radius_without_a_finished_proof_is_a_dash(swept, closed, text):
+    one = Bracket(0.0, 1.5, None, closed, boxes=7)
+    found = radii(replace(swept.certificates, radii={"sampled": one}))
+    assert column(found, "safe up to") == [text]
 
 
 def test_a_ratio_at_vanishing_frequency_is_said_to_be_there(swept):

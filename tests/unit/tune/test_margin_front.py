@@ -8,12 +8,14 @@ from mptune.figures.margin_front import index_over_margin
 from mptune.figures.style import to_svg
 from mptune.job.leftovers import keep, leftovers
 from mptune.job.margin_front import on_the_machine
+from mptune.params.pack import pack_gains
 from mptune.report.blocks import Figure
 from mptune.report.content.tradeoff import margin_points, margins
 from mptune.report.results import Results
 from mptune.robust.certificates import certified_problem
 from mptune.robust.model import LinearModel
 from mptune.tune.margin_front import margin_front
+from mptune.tune.space import Choice
 
 SHORT = (
     "verification.repeats=1",
@@ -43,6 +45,13 @@ def test_a_larger_margin_is_paid_for_in_tracking(found, load_boom):
     assert box_stability(problem, "sampled").status == "stable"
 
 
+def test_a_known_best_tracking_is_where_the_front_starts(found, load_boom):
+    best = Choice(pack_gains(found[0].gains), found[0].feedforward, found[0].estimator)
+    (again,) = margin_front(load_boom(*SHORT, corners=True), 1, start=best)
+    assert again.figures.tracking == pytest.approx(found[0].figures.tracking, rel=1e-3)
+    assert again.converged
+
+
 def test_its_points_run_on_the_machine_and_stand_in_the_report(found, load_boom, tmp_path):
     study = load_boom(*SHORT, corners=True)
     row = on_the_machine(study, found[0])
@@ -50,7 +59,9 @@ def test_its_points_run_on_the_machine_and_stand_in_the_report(found, load_boom,
     rows = [row, {**row, "performance_index_ms": None, "disk_margin_guaranteed": None}]
     table = margin_points(rows)
     assert table.rows[0][0] == f"{row['figures']['disk_margin']:.3f}"
-    assert [table.rows[1][n] for n in (1, 3)] == ["—", "—"]
+    assert [table.rows[1][n] for n in (1, 4)] == ["—", "—"]
+    assert table.rows[0][3] == f"{row['by_mass'][0]['performance_index_ms']:.2f}"
+    assert row["by_mass"][0]["mass_kg"] == 24_500.0
     keep(tmp_path, "margins", study, rows)
     left = leftovers(tmp_path, study)
     assert left.margins == tuple(rows)
