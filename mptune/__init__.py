@@ -76,6 +76,7 @@ if TYPE_CHECKING:
     from mptune.job.run import run
     from mptune.job.systems import compare_systems
     from mptune.loops.family import FamilyLoops
+    from mptune.params.chambers import Side
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.doubts import Doubt
     from mptune.params.gains import GainsFile, gains_for, read_gains, write_gains
@@ -162,6 +163,7 @@ _MODULES = {
     "loops.family": "FamilyLoops",
     "params.controller": "Feedforward, Gains",
     "params.doubts": "Doubt",
+    "params.chambers": "Side",
     "params.gains": "GainsFile, gains_for, read_gains, write_gains",
     "params.headline": "Headline",
     "params.judged_on": "Difference",
@@ -235,15 +237,16 @@ __all__ = [
     "MeasurementPath", "Members", "MptuneError", "NominalPlant", "Norm", "Outcome", "OutputError",
     "Panel", "PapersFrame", "Peak", "PeakVerdict", "Plan", "PlantBox", "PlantPoint", "Plants",
     "Point", "Progress", "RationalPlant", "Recommendation", "Relief", "ResolvedStudy", "Result",
-    "Round", "RunRecord", "SetFigures", "ShapeStatus", "Shaped", "Sides", "Stability", "Stage",
-    "StateKind", "Status", "Structure", "Study", "SweepResult", "SystemRun", "SystemsResult",
-    "Trial", "TuneResult", "TuneStatus", "Use", "VelocityGain", "VerifyResult", "Weights",
-    "WeightsResult", "Workers", "baselines", "chain", "compare_systems", "controller_to_control",
-    "design", "fit_response", "from_frd", "front", "gains_for", "identify_loop", "judge",
-    "judge_sweep", "linear_moves", "load_study", "machine_changes", "machine_checks", "p_structure",
-    "pi_structure", "pid_structure", "plan_campaign", "position_structure", "read_gains",
-    "read_response", "run", "run_campaign", "search_weights", "structure_of", "sweep", "to_pandas",
-    "tune_gains", "verify_gains", "workers", "write_gains", "write_response",
+    "Round", "RunRecord", "SetFigures", "ShapeStatus", "Shaped", "Side", "Sides", "Stability",
+    "Stage", "StateKind", "Status", "Structure", "Study", "SweepResult", "SystemRun",
+    "SystemsResult", "Trial", "TuneResult", "TuneStatus", "Use", "VelocityGain", "VerifyResult",
+    "Weights", "WeightsResult", "Workers", "baselines", "chain", "compare_systems",
+    "controller_to_control", "design", "fit_response", "from_frd", "front", "gains_for",
+    "identify_loop", "judge", "judge_sweep", "linear_moves", "load_study", "machine_changes",
+    "machine_checks", "p_structure", "pi_structure", "pid_structure", "plan_campaign",
+    "position_structure", "read_gains", "read_response", "run", "run_campaign", "search_weights",
+    "structure_of", "sweep", "to_pandas", "tune_gains", "verify_gains", "workers", "write_gains",
+    "write_response",
 ]  # fmt: skip
 
 

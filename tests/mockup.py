@@ -27,6 +27,9 @@ class Unit:
     def __init__(self, path, step):
         description = read_model_description(str(path), validate=True)
         self.references = {one.name: one.valueReference for one in description.modelVariables}
+        names = [(one.name, one.causality) for one in description.modelVariables]
+        self.inputs = [name for name, causality in names if causality == "input"]
+        self.states = [name for name, _ in names if name.startswith("state_")]
         self.folder, self.time_step, self.time = extract(str(path)), step, 0.0
         self.version = int(description.fmiVersion[0])
         kind = {2: FMU2Slave, 3: FMU3Slave}[self.version]
@@ -61,15 +64,15 @@ class Unit:
         if self.version == 2:
             self.slave.setupExperiment(startTime=0.0)
         self.slave.enterInitializationMode()
-        self.set({"load_force": load, **dict(zip(INPUTS, first, strict=True))})
+        self.set({"load_force": load, **dict(zip(self.inputs, first, strict=True))})
         self.slave.exitInitializationMode()
 
     def step(self, inputs):
-        self.set(dict(zip(INPUTS, (float(value) for value in inputs), strict=True)))
+        self.set(dict(zip(self.inputs, (float(value) for value in inputs), strict=True)))
         self.slave.doStep(currentCommunicationPoint=self.time, communicationStepSize=self.time_step)
         self.time += self.time_step
         (force,), (stopped,) = self.real("force_reference"), self.boolean("stopped")
-        return force, float(stopped), *self.integer("state_a", "state_b")
+        return force, float(stopped), *self.integer(*self.states)
 
     def close(self):
         self.slave.terminate()

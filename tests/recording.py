@@ -15,6 +15,7 @@ from mptune.force.cost import force_limits, side_costs, supply_pressures
 from mptune.force.estimator import SIDE_A, SIDE_B
 from mptune.force.search_space import search_space, space_of
 from mptune.params.pack import (
+    pack_chambers,
     pack_estimator,
     pack_feedforward,
     pack_force,
@@ -31,6 +32,7 @@ from mptune.signals.outer_loop import acceleration_ahead, lag_references, outer_
 from mptune.signals.trajectory import reference
 from mptune.sim import closed_loop as loop
 from mptune.sim.integrator import integrate, new_work
+from mptune.sim.measure import measure
 from mptune.sim.moves import moves_of
 from mptune.verify.verify import cases_of, delays_of, new_memory
 
@@ -55,6 +57,7 @@ class Rig(NamedTuple):
     random: np.random.Generator
     first: np.ndarray  # (12,) inputs before the first tick
     load: float  # N, which the integrator carries at the start
+    more: object  # the chambers where there are more than two
 
     @property
     def start(self):
@@ -109,6 +112,7 @@ def rig_of(study, case, gains=None, feedforward=None):
         random=np.random.default_rng(case.seed),
         first=first,
         load=case.load_force,
+        more=pack_chambers(study),
     )
 
 
@@ -137,7 +141,15 @@ class Recorder:
         before = choice.copy()
         if len(self.inputs) % rig.signals.ticks == 0:
             loop._control(
-                rig.memory, x_ref, v_ref, a_ref, rig.law, rig.signals, rig.settings, rig.space
+                rig.memory,
+                x_ref,
+                v_ref,
+                a_ref,
+                rig.law,
+                rig.signals,
+                rig.settings,
+                rig.space,
+                rig.more,
             )
         decided = (outer[loop.FORCE], outer[loop.STOPPED], *choice)
         inside = (rig.memory.filtered, rig.memory.converters, rig.memory.history)
@@ -155,21 +167,22 @@ def drive(rig, unit, sets=1):
     """
     memory, machine, signals = rig.memory, rig.machine, rig.signals
     tick_time = signals.sample_time
-    work = new_work(memory.valves, rig.space.lines, rig.space.edge, len(memory.state))
-    trace = np.empty((sets * rig.ticks, loop.CONVERTER_1 + machine.converters))
+    width = loop.chamber_columns(machine.converters, len(memory.choice)).width
+    work = new_work(memory.valves, rig.space.lines, rig.space.edge, len(memory.state), rig.more)
+    trace = np.empty((sets * rig.ticks, width))
     unit.start(rig.first, rig.load)
     for row, (number, tick) in zip(trace, np.ndindex(sets, rig.ticks), strict=True):
         now = number * rig.ticks * tick_time + tick * tick_time
         step, v_ref, _ = reference(tick * tick_time, rig.moves.pieces)
         a_ref = acceleration_ahead(tick * tick_time, rig.moves.pieces, rig.law.ahead)
         x_ref = rig.start + step
-        loop._measure(memory, machine, signals, rig.settings, rig.law, v_ref, rig.random)
+        measure(memory, machine, signals, rig.settings, rig.law, v_ref, rig.random, rig.more)
         outputs = unit.step(np.concatenate([[x_ref, v_ref, a_ref], memory.raw[0]]))
         memory.outer[loop.FORCE], memory.outer[loop.STOPPED] = outputs[:2]
         memory.choice[:] = outputs[2:]
         if tick % signals.ticks == 0:
             loop._switch(memory, rig.space, now, rig.delays, rig.random)
-        loop._record(row, memory, x_ref, v_ref, machine)
+        loop._record(row, memory, x_ref, v_ref, machine, rig.more)
         row[loop.FED_MASS] = fed_mass(memory.outer, rig.law.ahead)
         high = accumulator_pressure(memory.state[loop.OIL], machine)
         if high < machine.pump_on:
@@ -178,7 +191,7 @@ def drive(rig, unit, sets=1):
             memory.outer[loop.PUMPING] = 0.0
         integrate(
             memory.state, memory.energy, memory.valves, memory.outer[loop.PUMPING],
-            machine, rig.table, rig.delays.ramp, now, tick_time, work,
+            machine, rig.table, rig.delays.ramp, now, tick_time, work, rig.more,
         )  # fmt: skip
     return trace
 

@@ -5,7 +5,7 @@
  *
  * INPUTS holds doubles: load force, the values of mptune_inputs for mptune_init, then for each step.
  * OUTPUTS takes doubles for each step: force reference, fault, stopped, states of A and B, decided,
- * all valves. The passes after the first repeat the run from the start; printed is the longest step
+ * all valves, states of further chambers. The passes after the first repeat the run from the start; printed is the longest step
  * in ns, for each step the shortest of all passes, so that other programs' interrupts do not count.
  */
 #define _POSIX_C_SOURCE 199309L
@@ -15,8 +15,9 @@
 
 #include "mptune_controller.h"
 
-#define COLUMNS (8 + MPTUNE_CONVERTERS)
-#define RESULTS (6 + 2 * MPTUNE_VALVES)
+#define COLUMNS (8 + MPTUNE_CONVERTERS + MPTUNE_FURTHER)
+#define ALL_VALVES (MPTUNE_CHAMBERS * MPTUNE_VALVES)
+#define RESULTS (6 + ALL_VALVES + MPTUNE_FURTHER)
 
 static mptune_inputs inputs_of(const double *row)
 {
@@ -32,6 +33,9 @@ static mptune_inputs inputs_of(const double *row)
     for (size_t i = 0; i != MPTUNE_CONVERTERS; i++) {
         in.converter[i] = (mptune_real)row[8 + i];
     }
+    for (size_t i = 0; i != MPTUNE_FURTHER; i++) {
+        in.further[i] = (mptune_real)row[8 + MPTUNE_CONVERTERS + i];
+    }
     return in;
 }
 
@@ -39,8 +43,11 @@ static void write_row(const mptune_outputs *out, FILE *file)
 {
     double row[RESULTS] = {(double)out->force_reference, out->fault, out->stopped,
                            out->state_a, out->state_b, out->decided};
-    for (size_t i = 0; i < 2U * MPTUNE_VALVES; i++) {
+    for (size_t i = 0; i < ALL_VALVES; i++) {
         row[6 + i] = out->valve[i];
+    }
+    for (size_t i = 0; i != MPTUNE_FURTHER; i++) {
+        row[6 + ALL_VALVES + i] = out->state_further[i];
     }
     if (fwrite(row, sizeof(double), RESULTS, file) != RESULTS) {
         exit(3);

@@ -128,7 +128,7 @@ class Inputs(ctypes.Structure):
             "pressure_high",
             "pressure_low",
         )
-    ] + [("converter", ctypes.c_double * 4)]
+    ] + [("converter", ctypes.c_double * 4), ("further", ctypes.c_double * 1)]
 
     @classmethod
     def of(cls, row):
@@ -142,6 +142,7 @@ class Outputs(ctypes.Structure):
         ("valve", ctypes.c_uint8 * 24),
         ("state_a", ctypes.c_uint8),
         ("state_b", ctypes.c_uint8),
+        ("state_further", ctypes.c_uint8 * 1),
         ("stopped", ctypes.c_uint8),
         ("decided", ctypes.c_uint8),
         ("fault", ctypes.c_uint32),

@@ -155,7 +155,7 @@ class BoxedLoop:
             box,
             pack_gains(gains or study.study.gains),
             pack_measured(study),
-            study.study.cylinder.share_a,
+            study.study.share_a,
             controller.sampling_period,
             None if explicit == box else explicit,
         )

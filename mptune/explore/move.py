@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.sim.closed_loop import STATE_A, STATE_B
+from mptune.sim.closed_loop import chamber_columns
 from mptune.verify.result import CaseStatus
 from mptune.verify.verify import Case, rig_of, run_rig
 
@@ -35,8 +35,8 @@ class SimulatedMove:
         ``(T,)`` position error [m].
     force, force_reference
         ``(T,)`` [N].
-    state_a, state_b
-        ``(T,)`` numbers of the valve states of both chambers.
+    states
+        ``(T,)`` numbers of the valve states of each chamber.
     """
 
     case: CaseResult
@@ -44,8 +44,7 @@ class SimulatedMove:
     error: FloatArray
     force: FloatArray
     force_reference: FloatArray
-    state_a: FloatArray
-    state_b: FloatArray
+    states: tuple[FloatArray, ...]
 
     @property
     def record(self) -> RunRecord:
@@ -86,12 +85,12 @@ def simulated_move(study: ResolvedStudy, mass: float) -> SimulatedMove:
     rig = rig_of(one, case, first.gains, first.feedforward)
     found = run_rig(one, case, rig, np.random.default_rng(_SEED), 1)
     record, traces = found.record, found.traces
+    columns = chamber_columns(found.converters, len(first.all_chambers))
     return SimulatedMove(
         case=found,
         time=record.time[::_STRIDE],
         error=record.error[::_STRIDE],
         force=record.force[::_STRIDE],
         force_reference=record.force_reference[::_STRIDE],
-        state_a=traces[::_STRIDE, STATE_A],
-        state_b=traces[::_STRIDE, STATE_B],
+        states=tuple(traces[::_STRIDE, column] for column in columns.states),
     )

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from mptune.explore.looks import Titles, hover, line, link, new_plot
 from mptune.explore.plotted import source
+from mptune.params.chambers import LETTERS
 
 if TYPE_CHECKING:
     from bokeh.plotting import figure
@@ -16,6 +17,8 @@ if TYPE_CHECKING:
     from mptune.explore.move import SimulatedMove
 
 _TIME = "Time [s]"
+_ROLES = ("nominal", "chosen", "nominal", "chosen")
+_DASHES = ("solid", "dotted", "dashed", "dotdash")
 
 
 class MoveView:
@@ -25,8 +28,8 @@ class MoveView:
         self.titles = Titles()
         self._error = new_plot("Position error", _TIME, "x_ref − x [mm]")
         self._force = new_plot("Force", _TIME, "F [kN]")
-        self._states = new_plot("Valve states of A and B", _TIME, "Number of the state [–]")
-        self._now = source("time", "error", "force", "reference", "a", "b")
+        self._states = new_plot("Valve states of the chambers", _TIME, "Number of the state [–]")
+        self._now = source("time", "error", "force", "reference", *LETTERS)
         self._published = source("time", "error", "force")
         drawn = [
             line(
@@ -43,24 +46,30 @@ class MoveView:
             line(self._force, self._now, "time", "force", "chosen", legend_label="these gains"),
         ]
         hover(self._force, force, [("t", "@time{0.000} s"), ("F", "@force{0.00} kN")])
-        for name, role in (("a", "nominal"), ("b", "chosen")):
+        self._steps: list[Any] = []
+        for name, role, dash in zip(LETTERS, _ROLES, _DASHES, strict=True):
             steps = self._states.step(
-                "time", name, source=self._now, mode="after", legend_label=f"state {name.upper()}",
-                line_dash="solid" if name == "a" else "dotted",
+                "time", name, source=self._now, mode="after", legend_label=f"state {name}",
+                line_dash=dash,
             )  # fmt: skip
             steps.tags = [role]
+            self._steps.append(steps)
         self.plots: list[figure] = [self._error, self._force, self._states]
         link(self.plots)
 
     def show(self, now: SimulatedMove, published: SimulatedMove) -> None:
         """Show a move beside that of the published gains."""
+        numbers = dict(zip(LETTERS, now.states, strict=False))
+        entries: list[Any] = self._states.legend[0].items
+        for name, steps, entry in zip(LETTERS, self._steps, entries, strict=True):
+            steps.visible = entry.visible = name in numbers
+        nothing = np.full(len(now.time), np.nan)
         self._now.data = {
             "time": now.time,
             "error": _drawn(1e3 * now.error),
             "force": _drawn(1e-3 * now.force),
             "reference": _drawn(1e-3 * now.force_reference),
-            "a": now.state_a,
-            "b": now.state_b,
+            **{name: numbers.get(name, nothing) for name in LETTERS},
         }
         self._published.data = {
             "time": published.time,

@@ -10,6 +10,7 @@ import numpy as np
 from mptune.escaping import c_string, comment_text
 from mptune.export.formats import Precision
 from mptune.force.search_space import space_of
+from mptune.params.chambers import NUMBERS
 from mptune.params.packed import BASE, MADE_BY, RESTS, SHARE
 
 if TYPE_CHECKING:
@@ -30,9 +31,12 @@ _CONSTANTS = """\
 #define MPTUNE_LINES {lines}U /* pressures between which each chamber is switched */
 #define MPTUNE_CONVERTERS {converters}U /* converter cylinders that make some of them */
 #define MPTUNE_PLACES {places}U /* room for their positions: at least 1 */
-#define MPTUNE_SIGNALS (5U + MPTUNE_CONVERTERS) /* position, two chambers, two lines, converters */
-#define MPTUNE_VALVES {valves}U /* valves of one side: those of a line in parallel, line by line */
-#define MPTUNE_STATES {states}U /* valve states of one side, Eq. 6 */
+#define MPTUNE_CHAMBERS {chambers}U /* that push and pull the piston, A first, then B */
+#define MPTUNE_FURTHER {further}U /* chambers behind these two */
+#define MPTUNE_FURTHER_PLACES {further_places}U /* room for their pressures: at least 1 */
+#define MPTUNE_SIGNALS (5U + MPTUNE_CONVERTERS + MPTUNE_FURTHER) /* the samples of mptune_inputs */
+#define MPTUNE_VALVES {valves}U /* valves of one chamber: of a line in parallel, line by line */
+#define MPTUNE_STATES {states}U /* valve states of one chamber, Eq. 6 */
 #define MPTUNE_CANDIDATES {candidates}U /* pairs looked at two periods ahead; at least 1 */
 #define MPTUNE_MARGINS_SATISFIED {trusted} /* 0 where the export was forced */
 #define MPTUNE_VERDICT "{verdict}"
@@ -61,6 +65,15 @@ typedef struct {{
     mptune_real second_count; /* 0 without crossflow */
 }} mptune_port;
 
+/* One chamber. */
+typedef struct {{
+    mptune_real area;             /* m^2 */
+    mptune_real dead;             /* m^3, V_0 + V_h */
+    mptune_real hose;             /* m^3, V_h */
+    mptune_real flow_coefficient; /* m^3/(s Pa^0.5), K_v of its valves */
+    uint8_t pulls;                /* 1 where its pressure pulls the piston in */
+}} mptune_size;
+
 /* A line's pressure: its base and a share of the way from there to the highest line. */
 typedef struct {{
     mptune_real base;  /* Pa */
@@ -76,6 +89,7 @@ extern "C" {{
 extern const mptune_parameters mptune_study;
 extern const mptune_port mptune_ports[MPTUNE_STATES];
 extern const mptune_line mptune_lines[MPTUNE_LINES];
+extern const mptune_size mptune_chambers[MPTUNE_CHAMBERS];
 extern const uint8_t mptune_valves[MPTUNE_STATES][MPTUNE_VALVES];   /* 1 where open */
 extern const uint8_t mptune_switches[MPTUNE_STATES][MPTUNE_STATES]; /* valves that differ */
 
@@ -99,6 +113,10 @@ const mptune_port mptune_ports[MPTUNE_STATES] = {{
 
 const mptune_line mptune_lines[MPTUNE_LINES] = {{
 {lines}
+}};
+
+const mptune_size mptune_chambers[MPTUNE_CHAMBERS] = {{
+{chambers}
 }};
 
 const uint8_t mptune_valves[MPTUNE_STATES][MPTUNE_VALVES] = {{
@@ -137,6 +155,7 @@ def _constants(controller: TargetController) -> str:
     numbers, provenance = controller.numbers, controller.provenance()
     space, converters = space_of(controller.study), controller.study.study.converters
     states, valves = space.valves.shape
+    chambers = len(numbers.chambers)
     members = (
         f"    mptune_real {one.key}; /* {one.unit if one.unit != '1' else '-'}, {one.meaning} */"
         for one in numbers.all()
@@ -147,6 +166,9 @@ def _constants(controller: TargetController) -> str:
         lines=space.lines.shape[1],
         converters=converters,
         places=max(converters, 1),
+        chambers=chambers,
+        further=chambers - NUMBERS[0],
+        further_places=max(chambers - NUMBERS[0], 1),
         valves=valves,
         states=states,
         choice="uint8_t" if states <= _BYTE else "uint16_t",
@@ -181,6 +203,7 @@ def _data(controller: TargetController) -> str:
         values="\n".join(values),
         ports=rows(zip(*columns, strict=True)),
         lines=rows(described),
+        chambers=rows([one.value for one in chamber] for chamber in numbers.chambers),
         valves=rows(space.valves),
         switches=rows(space.switches),
     )

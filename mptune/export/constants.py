@@ -13,6 +13,7 @@ import numpy as np
 from mptune.errors import Fault, InputError
 from mptune.export.formats import Precision
 from mptune.force.cost import force_limits
+from mptune.params.chambers import Side, volumes_of
 from mptune.params.pack import (
     pack_estimator,
     pack_feedforward,
@@ -23,6 +24,8 @@ from mptune.params.pack import (
 from mptune.signals.tustin import discretise
 
 if TYPE_CHECKING:
+    from collections.abc import Iterator
+
     from mptune.params.controller import Feedforward, Gains
     from mptune.params.study import ResolvedStudy
 
@@ -99,6 +102,15 @@ _MEANINGS = {
 }
 
 
+_OF_CHAMBERS = {
+    "area": ("m^2", "A_i"),
+    "dead": ("m^3", "V_0,i + V_h,i"),
+    "hose": ("m^3", "V_h,i"),
+    "flow_coefficient": ("m^3/(s Pa^0.5)", "K_v of one valve"),
+    "pulls": ("1", "1 where its pressure pulls the piston in"),
+}
+
+
 class Number(NamedTuple):
     """One number of the controller."""
 
@@ -120,11 +132,14 @@ class Numbers:
         Fast sampling periods in one sampling period.
     precision
         The arithmetic that they are rounded to.
+    chambers
+        The numbers of each chamber.
     """
 
     sections: dict[str, tuple[Number, ...]]
     ticks: int
     precision: Precision
+    chambers: tuple[tuple[Number, ...], ...] = ()
 
     def all(self) -> tuple[Number, ...]:
         """Return the numbers of every section."""
@@ -178,7 +193,25 @@ def controller_numbers(
         )
         for name, values in sections.items()
     }
-    return Numbers(rounded, signals.ticks, precision)
+    return Numbers(rounded, signals.ticks, precision, tuple(_chambers(study, precision)))
+
+
+def _chambers(study: ResolvedStudy, precision: Precision) -> Iterator[tuple[Number, ...]]:
+    """Yield the numbers of each chamber."""
+    coefficient, hose = pack_force(study).flow_coefficient, study.study.hose
+    for one in study.study.all_chambers:
+        volumes = volumes_of((one,), hose)
+        values = {
+            "area": volumes.area,
+            "dead": volumes.dead,
+            "hose": volumes.hose,
+            "flow_coefficient": coefficient * one.valves,
+            "pulls": float(one.side is Side.PULLING),
+        }
+        yield tuple(
+            Number(key, _rounded(key, value, precision), *_OF_CHAMBERS[key])
+            for key, value in values.items()
+        )
 
 
 def _accepted(study: ResolvedStudy) -> dict[str, float]:

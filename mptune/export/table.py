@@ -9,6 +9,7 @@ import tomlkit
 
 from mptune.escaping import comment_text, printable_values
 from mptune.export.controller import WARNING
+from mptune.params.chambers import LETTERS, NUMBERS
 from mptune.params.format import CONTROLLER_FORMAT, FORMAT_KEY
 
 if TYPE_CHECKING:
@@ -84,5 +85,9 @@ def _sections(
                 for key, unit, symbol, meaning in section.quantities()
             ],
         )
-    for name, numbers in controller.numbers.sections.items():
+    sections = dict(controller.numbers.sections)
+    if len(controller.numbers.chambers) > NUMBERS[0]:
+        chambers = zip(LETTERS.lower(), controller.numbers.chambers, strict=False)
+        sections |= {f"chamber_{letter}": numbers for letter, numbers in chambers}
+    for name, numbers in sections.items():
         yield name, [(one.key, one.value, one.unit, one.meaning) for one in numbers]

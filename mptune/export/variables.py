@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Literal, NamedTuple
 
 from mptune.force.search_space import space_of
+from mptune.params.chambers import LETTERS, NUMBERS
 
 if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy
@@ -37,6 +38,7 @@ def variables(study: ResolvedStudy) -> tuple[Variable, ...]:
     supplies, middle = study.study.supplies, study.study.cylinder.stroke / 2
     low, high = supplies.low_pressure, supplies.high_pressure
     last = len(space_of(study).first) - 1
+    further = LETTERS[NUMBERS[0] : len(study.study.all_chambers)].lower()
     inputs: tuple[tuple[str, str, float, str], ...] = (
         ("position_reference", "m", middle, "x_ref"),
         ("velocity_reference", "m/s", 0.0, "v_ref"),
@@ -50,16 +52,29 @@ def variables(study: ResolvedStudy) -> tuple[Variable, ...]:
             (f"converter[{i}]", "m", 0.0, "sampled converter position, positive on filling")
             for i in range(1, study.study.converters + 1)
         ),
+        *(
+            (
+                f"pressure_{one}",
+                "Pa",
+                (low + high) / 2,
+                f"sampled pressure of chamber {one.upper()}",
+            )
+            for one in further
+        ),
     )
     outputs: tuple[tuple[str, Kind, str], ...] = (
         ("state_a", "integer", f"valve state of side A, 0 to {last}"),
         ("state_b", "integer", f"valve state of side B, 0 to {last}"),
+        *(
+            (f"state_{one}", "integer", f"valve state of chamber {one.upper()}, 0 to {last}")
+            for one in further
+        ),
         ("fault", "integer", "sum of the faults of mptune_controller.h; 0 for none"),
         ("stopped", "boolean", "the stop logic holds all valves shut"),
         ("decided", "boolean", "the loops ran in this step"),
         *(
             (f"valve_{side}[{supply},{number}]", "boolean", "open; supplies from the lowest up")
-            for side in "ab"
+            for side in ("a", "b", *further)
             for supply, parallel in enumerate(study.study.edge_rule.sizes, 1)
             for number in range(1, len(parallel) + 1)
         ),

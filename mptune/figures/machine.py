@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.figures.style import NOMINAL, REFERENCE, SECOND, WORST, legend_below, new_figure, style
+from mptune.params.chambers import LETTERS
 from mptune.sim import closed_loop as loop
 
 if TYPE_CHECKING:
@@ -34,26 +35,29 @@ def machine_traces(case: CaseResult, feedforward: Feedforward | None = None) -> 
     """
     learns = feedforward is not None and feedforward.adaptive_mass
     record = case.record
+    chambers = 0 if record.pressures is None else record.pressures.shape[1]
+    columns = loop.chamber_columns(case.converters, chambers).states
     few = slice(None, None, max(len(case.traces) // _DRAWN, 1))
     time, trace = record.time[few], case.traces[few]
-    converters = trace.shape[1] - loop.CONVERTER_1
     with style():
         figure = new_figure(9.3)
-        count = 8 + (converters > 0) + learns
+        count = 6 + len(columns) + (case.converters > 0) + learns
         axes = figure.subplots(count, 1, sharex=True)
         _motion(axes[:3], record, few)
         _forces(axes[3:6], record, few)
-        for one, column, side in ((axes[6], loop.STATE_A, "A"), (axes[7], loop.STATE_B, "B")):
+        rows = axes[6 : 6 + len(columns)]
+        for one, column, chamber in zip(rows, columns, LETTERS, strict=False):
             one.step(time, trace[:, column], where="post", **{**NOMINAL, "linewidth": 0.7})
             for border in np.cumsum(case.states)[1:-1]:
                 one.axhline(border - 0.5, **REFERENCE)  # between the kinds of valve states
-            one.set(ylabel=f"State {side} [–]", ylim=(-1, sum(case.states)))
-        for i, (grey, dashes) in zip(range(converters), cycle(_LOOKS)):
+            one.set(ylabel=f"State {chamber} [–]", ylim=(-1, sum(case.states)))
+        behind = axes[6 + len(columns) :]
+        for i, (grey, dashes) in zip(range(case.converters), cycle(_LOOKS)):
             look = {"linewidth": 1.1, "color": grey, "linestyle": dashes}
             place = 1e3 * trace[:, loop.CONVERTER_1 + i]
-            axes[8].plot(time, place, label=f"converter {i + 1}", **look)
-        if converters:
-            axes[8].set_ylabel("Converter\n[mm]")
+            behind[0].plot(time, place, label=f"converter {i + 1}", **look)
+        if case.converters:
+            behind[0].set_ylabel("Converter\n[mm]")
         if learns:
             axes[-1].plot(time, trace[:, loop.FED_MASS] / 1e3, **NOMINAL)
             axes[-1].axhline(case.mass_kg / 1e3, **REFERENCE)
@@ -66,7 +70,7 @@ def machine_traces(case: CaseResult, feedforward: Feedforward | None = None) -> 
             loc="left",
         )
         figure.align_ylabels(axes)
-        legend_below(figure, axes[0], axes[3], *axes[8:])
+        legend_below(figure, axes[0], axes[3], *behind)
     return figure
 
 
@@ -96,8 +100,9 @@ def _forces(
     pressure, drawn, error = axes
     time, thin = record.time[few], {"linewidth": 0.9}
     if record.pressures is not None:
-        looks = ({**SECOND, **thin, "linestyle": "-"}, {**WORST, **thin})
-        for chamber, label, look in zip(record.pressures.T, "AB", looks, strict=True):
+        looks = [{**SECOND, **thin, "linestyle": "-"}, {**WORST, **thin}]
+        looks += [{**SECOND, **thin, "linestyle": ":"}, {**WORST, **thin, "linestyle": ":"}]
+        for chamber, label, look in zip(record.pressures.T, LETTERS, looks, strict=False):
             pressure.plot(time, chamber[few] / 1e6, label=label, **look)
     pressure.set_ylabel("Pressure\n[MPa]")
     drawn.plot(time, record.force[few] / 1e3, **{**NOMINAL, **thin})

@@ -13,6 +13,7 @@ from mptune.force.search_space import space_of
 from mptune.force.select import decide
 from mptune.force.stop import stopped
 from mptune.params.pack import pack_force, pack_signals
+from mptune.params.two_chambers import needs_two_chambers
 
 if TYPE_CHECKING:
     from collections.abc import Sequence
@@ -41,9 +42,15 @@ class ForceController:
     ----------
     study
         The study whose machine is controlled.
+
+    Raises
+    ------
+    InputError
+        If it has more than two chambers.
     """
 
     def __init__(self, study: ResolvedStudy) -> None:
+        needs_two_chambers(study, "step-by-step controller", "simulate it with mptune.verify")
         self._space = space_of(study)
         self._converters = study.study.converters
         self._settings = pack_force(study)

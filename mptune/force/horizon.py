@@ -119,7 +119,7 @@ def least_pair(
 
 
 @kernel
-def _row(
+def row_of(
     side: int,
     pressure: float,
     position: float,
@@ -160,7 +160,7 @@ def best_ahead(
     for side in range(_SIDES):
         pressure = pressure_a if side == SIDE_A else pressure_b
         present = present_a if side == SIDE_A else present_b
-        least[side] = _row(
+        least[side] = row_of(
             side, pressure, position, velocity, present, ports, space, settings, rows[side]
         )
     costs, pairs = np.empty(number), np.zeros(number, np.int64)
@@ -176,7 +176,7 @@ def best_ahead(
             state = pairs[k] // states if side == SIDE_A else pairs[k] % states
             if where[side, state] == 0:
                 pressure = rows[side, PRESSURE, state]
-                least[met] = _row(
+                least[met] = row_of(
                     side, pressure, position, velocity, state, ports, space, settings, rows[met]
                 )
                 where[side, state], met = met, met + 1

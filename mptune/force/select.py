@@ -88,10 +88,10 @@ def decide(
     states = len(space.first)
     lag = settings.delay_prediction
     if lag > 0:
-        pressure_a = _ahead(
+        pressure_a = ahead_of_delay(
             SIDE_A, pressure_a, position, velocity, supplies, present_a, space, settings
         )
-        pressure_b = _ahead(
+        pressure_b = ahead_of_delay(
             SIDE_B, pressure_b, position, velocity, supplies, present_b, space, settings
         )
         position += velocity * lag
@@ -114,7 +114,7 @@ def decide(
 
 
 @kernel
-def _ahead(
+def ahead_of_delay(
     side: int,
     pressure: float,
     position: float,

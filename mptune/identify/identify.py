@@ -18,6 +18,7 @@ from mptune.identify.result import FitStatus, IdentifyResult, Panel
 from mptune.loops.family import time_constants_at
 from mptune.loops.force_dynamics import force_dynamics
 from mptune.params.pack import pack_force, pack_machine, pack_signals
+from mptune.params.two_chambers import needs_two_chambers
 from mptune.progress import silent
 
 if TYPE_CHECKING:
@@ -101,6 +102,7 @@ def check(study: ResolvedStudy) -> None:
     InputError
         With every fault found.
     """
+    needs_two_chambers(study, "identification of the force loop", "identify one of two chambers")
     machine, asked = study.study, study.study.identification
     period = machine.controller.sampling_period
     dynamic = machine.controller.force_model == "dynamic"
@@ -138,8 +140,8 @@ def check(study: ResolvedStudy) -> None:
 
 def _start_pressures(study: ResolvedStudy) -> tuple[list[float], list[bool]]:
     """Return every p_A,0 [Pa], and whether p_B,0 at zero load stays within p_max."""
-    cylinder, highest = study.study.cylinder, study.study.controller.pressure_max
-    ratio = cylinder.area_a / cylinder.area_b
+    highest = study.study.controller.pressure_max
+    ratio = study.study.area_a / study.study.area_b
     pressures = list(study.study.identification.pressures)
     return pressures, [ratio * one <= highest * (1 + 1e-9) for one in pressures]
 
@@ -195,7 +197,7 @@ def _panel(study: ResolvedStudy, setting: Setting, found: list[RunResponse]) -> 
     tau_a, tau_b = time_constants_at(study, setting.oil_bulk_modulus, setting.position)
     period = study.study.controller.sampling_period
     s = 1j * omega
-    theory = force_dynamics(s, tau_a, tau_b, study.study.cylinder.share_a)  # Eq. 11
+    theory = force_dynamics(s, tau_a, tau_b, study.study.share_a)  # Eq. 11
     return Panel(
         position_m=setting.position,
         oil_bulk_modulus_pa=setting.oil_bulk_modulus,

@@ -112,7 +112,7 @@ def identify_data(
         fault = Fault("", "", "holds two files of one name", "name the files differently")
         raise InputError("--data", fault)
     folder = make_folder(Path(out) / study.name / "measured")
-    share_a = study.study.cylinder.share_a
+    share_a = study.study.share_a
     responses, fits = [], []
     for number, path in enumerate(reading.files):
         progress("identify", number / len(reading.files))

@@ -21,12 +21,14 @@ from mptune.loops.broken import FORCE, VELOCITY, loop_gain
 from mptune.loops.estimated import estimated_terms, slowest_error, tail_of
 from mptune.loops.force_dynamics import force_dynamics, pressure_time_constant
 from mptune.loops.velocity import plant_at
+from mptune.params.chambers import Side
 from mptune.params.packed import LoopGains, MeasurementPath, NominalPlant, Plants
 from mptune.plant.bulk import effective_bulk_modulus
 from mptune.signals.conditioning import filter_response
 from mptune.summary import Summarised
 
 if TYPE_CHECKING:
+    from mptune.params.chambers import Chamber
     from mptune.params.section import Range
     from mptune.params.study import ResolvedStudy
     from mptune.params.uncertainty import UncertaintySet
@@ -37,21 +39,29 @@ def time_constants_at(
 ) -> tuple[Real, Real]:
     """Return τ_A and τ_B [s] at one bulk modulus of the oil [Pa] and piston position [m].
 
-    Arrays are broadcast.
+    Arrays are broadcast. Where a side has more than one chamber its τ is their mean by area: with
+    all references moved by F_ref/ΣA a side's force follows Σ A_i/(τ_i s + 1), which is lagged by
+    one τ alone where they are equal, and else as by their mean up to the first power of s. See the
+    ledger (``mptune.params.paper``) for how far that holds.
     """
     machine = study.study
-    cylinder, hose = machine.cylinder, machine.hose
+    hose, stroke = machine.hose, machine.cylinder.stroke
     believed, period = machine.oil.bulk_modulus_estimate, machine.controller.sampling_period
-    found = []
-    for hose_volume, dead, swept in (
-        (hose.volume_a, cylinder.dead_volume_a, cylinder.area_a * position),
-        (hose.volume_b, cylinder.dead_volume_b, cylinder.area_b * (cylinder.stroke - position)),
-    ):
-        volume = swept + dead + hose_volume
+
+    def lag(chamber: Chamber) -> Real:
+        away = position if chamber.side is Side.PUSHING else stroke - position
+        hose_volume = hose.volume(chamber.hose_length)
+        volume = chamber.area * away + chamber.dead_volume + hose_volume
         actual = effective_bulk_modulus(oil_bulk_modulus, hose.bulk_modulus, hose_volume, volume)
         estimate = effective_bulk_modulus(believed, hose.bulk_modulus, hose_volume, volume)
-        found.append(pressure_time_constant(actual, estimate, period))
-    return found[0], found[1]
+        return pressure_time_constant(actual, estimate, period)
+
+    def mean(side: Side) -> Real:
+        chambers = machine.side(side)
+        area = sum(one.area for one in chambers)
+        return sum(one.area / area * lag(one) for one in chambers)
+
+    return mean(Side.PUSHING), mean(Side.PULLING)
 
 
 def derived_time_constants(study: ResolvedStudy) -> tuple[Range, Range]:
@@ -94,7 +104,7 @@ def plants_of(study: ResolvedStudy, *, explicit: bool = False) -> Plants:
     # A range without width is one point; of delays only where both have none.
     axes = [axis if place == 1 else np.unique(axis) for place, axis in enumerate(axes)]
     mesh = [np.ascontiguousarray(axis.ravel()) for axis in np.meshgrid(*axes, indexing="ij")]
-    share_a = np.full(len(mesh[0]), study.study.cylinder.share_a)
+    share_a = np.full(len(mesh[0]), study.study.share_a)
     return Plants(*(*mesh, share_a))
 
 

@@ -134,9 +134,12 @@ def _friction(study: Study) -> Iterator[Doubt]:
     given, most = study.load.friction_static, sizing.most_friction(study)
     if _exceeds(given, most):
         usual = advised(most * sizing.USUAL_FRICTION / sizing.FRICTION_SHARE, "N", up=False)
+        piston = ("cylinder.bore", shown(study.cylinder.bore, "m"))
+        if study.chambers:
+            piston = ("chambers", f"{shown(study.area_a, 'm^2')} that push")
         yield Doubt(
-            ("load.friction_static", "cylinder.bore"),
-            (shown(given, "N"), shown(study.cylinder.bore, "m")),
+            ("load.friction_static", piston[0]),
+            (shown(given, "N"), piston[1]),
             f"it is {given / most * sizing.FRICTION_SHARE:.2g} of the piston's largest force, of "
             "which seals take 0.01 to 0.02",
             f"seals of that piston have about {usual}, and half of it as Coulomb friction",

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from mptune.errors import Fault
 from mptune.params.advice import advice_on
+from mptune.params.chambers import NUMBERS
 from mptune.params.demand import flow_demand, force_demand, slowest_valves
 from mptune.params.doubts import Doubt
 from mptune.params.valve_states import number_of_states
@@ -39,7 +40,12 @@ def refusals_of(study: Study, written: frozenset[str]) -> list[Fault]:
         The keys of ``[verification]`` that a file or the command line has written; the others
         stand for those that they are taken from.
     """
-    return [*_slow_valves(study, written), *_heavy_loads(study, written), *_combinations(study)]
+    return [
+        *_slow_valves(study, written),
+        *_heavy_loads(study, written),
+        *_combinations(study),
+        *_of_two_chambers(study),
+    ]
 
 
 def doubts_of(resolved: ResolvedStudy) -> tuple[Doubt, ...]:
@@ -76,10 +82,10 @@ def _slow_valves(study: Study, written: frozenset[str]) -> Iterator[Fault]:
 
 def _heavy_loads(study: Study, written: frozenset[str]) -> Iterator[Fault]:
     """Refuse loads beyond the force reference's limits: nothing could hold the piston."""
-    controller, cylinder = study.controller, study.cylinder
+    controller = study.controller
     low, high = controller.pressure_min, controller.pressure_max
-    least = cylinder.area_a * low - cylinder.area_b * high
-    largest = cylinder.area_a * high - cylinder.area_b * low
+    least = study.area_a * low - study.area_b * high
+    largest = study.area_a * high - study.area_b * low
     for number, force in enumerate(study.verification.load_forces):
         worst = max(study.loads_at(force), key=lambda load: max(load - largest, least - load))
         if least <= worst <= largest:
@@ -96,25 +102,44 @@ def _heavy_loads(study: Study, written: frozenset[str]) -> Iterator[Fault]:
 
 
 def _combinations(study: Study) -> Iterator[Fault]:
-    """Refuse more combinations of both sides' states than a decision is to look at."""
+    """Refuse more combinations of all chambers' states than a decision is to look at."""
     rule, most = study.edge_rule, study.controller.max_combinations
+    chambers = len(study.all_chambers)
     if rule.valves > _MOST_VALVES:
         yield Fault(
-            "edges", f"{rule.valves} valves of a side", f"are more than {_MOST_VALVES}", _FEWER
+            "edges", f"{rule.valves} valves of a chamber", f"are more than {_MOST_VALVES}", _FEWER
         )
         return
     states = number_of_states(rule, _MOST_COUNTED)  # every choice among n valves makes 2ⁿ
+    of_each = f"states of each of {chambers} chambers and"
     if states > _MOST_COUNTED:
-        made = f"make over {_MOST_COUNTED} states of each side and {_MOST_COUNTED**2} combinations"
+        made = f"make over {_MOST_COUNTED} {of_each} {_MOST_COUNTED**chambers} combinations"
     else:
-        made = f"make {states} states of each side and {states**2} combinations"
-    if states**2 > most:
+        made = f"make {states} {of_each} {states**chambers} combinations"
+    if states**chambers > most:
         yield Fault(
             "edges",
-            f"{rule.valves} valves of a side",
+            f"{rule.valves} valves of a chamber",
             f"{made}, more than controller.max_combinations = {most}",
             f"{_FEWER} or kinds of states, or raise it",
         )
+
+
+def _of_two_chambers(study: Study) -> Iterator[Fault]:
+    """Refuse what a machine of more than two chambers is not simulated with."""
+    chambers = len(study.all_chambers)
+    rule = f"is for two chambers, and there are {chambers}"
+    if chambers <= NUMBERS[0]:
+        return
+    if study.converters:
+        remedy = "give [[lines]] of other kinds"
+        yield Fault("lines", f"{study.converters} converters", rule, remedy)
+    if study.hose.dynamics:
+        yield Fault("hose.dynamics", "true", rule, "leave it out")
+    if study.controller.horizon > 1:
+        yield Fault("controller.horizon", str(study.controller.horizon), rule, "leave it out")
+    if study.campaign.lines is not None and study.campaign.lines[1] > 0:
+        yield Fault("campaign.lines", f"{study.campaign.lines[1]:g}", rule, "leave it out")
 
 
 def _delays(resolved: ResolvedStudy) -> Iterator[Doubt]:

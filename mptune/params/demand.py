@@ -70,22 +70,21 @@ def flow_demand(study: Study) -> Iterator[Doubt]:
 
 def _supplied(study: Study) -> tuple[float, float]:
     """Return least and largest force [N] of a piston at rest between the supply pressures."""
-    cylinder, controller, supplies = study.cylinder, study.controller, study.supplies
+    controller, supplies = study.controller, study.supplies
     low = max(supplies.low_pressure, controller.pressure_min)
     high = min(supplies.high_pressure, controller.pressure_max)
-    least = cylinder.area_a * low - cylinder.area_b * high
-    return least, cylinder.area_a * high - cylinder.area_b * low
+    least = study.area_a * low - study.area_b * high
+    return least, study.area_a * high - study.area_b * low
 
 
 def _fastest(study: Study, move: Manoeuvre) -> float:
     """Return the steady velocity [m/s] at which the valves take up what force there is to spare.
 
     From A_A p_A − A_B p_B = F with p_A = p_HP − (A_A v/K)² and p_B = p_LP + (A_B v/K)², or the
-    other way round; K is that of all valves in parallel. Friction is left out: errs on the
-    generous side.
+    other way round, and so for each of more chambers; K is that of all its valves in parallel.
+    Friction is left out: errs on the generous side.
     """
     least, largest = _supplied(study)
-    cylinder = study.cylinder
     loads = [one for force in study.verification.load_forces for one in study.loads_at(force)]
     spare = []
     if move.extends:
@@ -94,5 +93,5 @@ def _fastest(study: Study, move: Manoeuvre) -> float:
         spare.append(min(loads) - least)
     sizes = study.edge_rule.sizes
     flow = min(sum(sizes[0]), sum(sizes[-1])) * study.valves.flow_coefficient
-    cubes = cylinder.area_a**3 + cylinder.area_b**3
+    cubes = sum(one.area**3 / one.valves**2 for one in study.all_chambers)
     return flow * math.sqrt(max(min(spare, default=math.inf), 0.0) / cubes)

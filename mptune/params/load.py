@@ -17,11 +17,13 @@ from mptune.errors import Fault, InputError
 from mptune.escaping import file_name
 from mptune.files import read_text
 from mptune.params.beside import name_beside
+from mptune.params.chambers import missing_of_the_short_form
 from mptune.params.coherence import doubts_of, refusals_of
 from mptune.params.extent import faults_of_extent
 from mptune.params.format import FORMAT_KEY, STUDY_FORMAT
 from mptune.params.layers import Layers
-from mptune.params.lines import missing_supplies, supplies_of
+from mptune.params.lines import missing_supplies
+from mptune.params.long_form import ADD_IT, long_form, missing
 from mptune.params.measured import read_measured
 from mptune.params.recorded import read_load_table, read_references
 from mptune.params.study import ResolvedStudy, Study
@@ -37,7 +39,6 @@ _BASE = "base"
 _OF_A_FILE = (FORMAT_KEY, _BASE)
 _REMEDY = "check the path, or start a study with `mptune new NAME`"
 
-_ADD_IT = "add it to the study"
 _DEEPEST = 16  # tables and lists within one another; studies have 5
 _MOST_FAULTS = 8  # of a file, in words; the rest is counted
 _PART = re.compile(r'\s*(?:("(?:[^"\\]|\\.)*")\s*|([^.=]*))([.=]|\Z)', re.DOTALL)  # of a key
@@ -79,13 +80,14 @@ def load_study(
     read_load_table(layers)
     read_measured(layers)
     name_beside(layers)
+    absent = missing(missing_of_the_short_form(layers.values))
     try:
         study = Study.model_validate(layers.values)
     except ValidationError as error:
-        raise layers.refusal(*faults_of(error, Study)) from error
-    study = study.model_copy(update={"supplies": supplies_of(study.lines, study.supplies)})
-    if absent := missing_supplies(study.supplies):
-        raise layers.refusal(*(Fault(key, "", "is missing", _ADD_IT) for key in absent))
+        raise layers.refusal(*faults_of(error, Study), *absent) from error
+    study = long_form(study)
+    if absent := [*absent, *missing(missing_supplies(study.supplies))]:
+        raise layers.refusal(*absent)
     if uncertainty and uncertainty not in study.uncertainty.sets:
         known = ", ".join(sorted(study.uncertainty.sets)) or "none"
         fault = Fault("uncertainty.sets", uncertainty, "is not among the sets", f"known: {known}")
@@ -216,7 +218,7 @@ def _check_measure(where: object, values: dict[str, Any]) -> None:
     raise InputError(where, Fault(levels[0][0], "", "is nested too deeply", "mend its brackets"))
 
 
-def faults_of(error: ValidationError, model: type[BaseModel], remedy: str = _ADD_IT) -> list[Fault]:
+def faults_of(error: ValidationError, model: type[BaseModel], remedy: str = ADD_IT) -> list[Fault]:
     """Return each error of a validation as a fault in the user's words.
 
     The ``remedy`` says what to do about a key that is missing.

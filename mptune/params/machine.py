@@ -15,13 +15,20 @@ FEWEST_ROWS = 2
 
 
 class Cylinder(Section):
-    """The main cylinder. Side A is the piston side, side B the rod side."""
+    """The main cylinder. Side A is the piston side, side B the rod side.
 
-    bore: float = quantity("m", "D", "bore diameter", at_least=5e-3, at_most=5)
-    rod: float = quantity("m", "D_r", "rod diameter", at_least=0, at_most=5)
+    Beside ``[[chambers]]`` its stroke alone counts; what is not given is NaN.
+    """
+
+    bore: float = quantity("m", "D", "bore diameter", math.nan, at_least=5e-3, at_most=5)
+    rod: float = quantity("m", "D_r", "rod diameter", math.nan, at_least=0, at_most=5)
     stroke: float = quantity("m", "x_max", "stroke", at_least=0.01, at_most=50)
-    dead_volume_a: float = quantity("m^3", "V_0,A", "dead volume, A-side", at_least=0, at_most=10)
-    dead_volume_b: float = quantity("m^3", "V_0,B", "dead volume, B-side", at_least=0, at_most=10)
+    dead_volume_a: float = quantity(
+        "m^3", "V_0,A", "dead volume, A-side", math.nan, at_least=0, at_most=10
+    )
+    dead_volume_b: float = quantity(
+        "m^3", "V_0,B", "dead volume, B-side", math.nan, at_least=0, at_most=10
+    )
 
     @model_validator(mode="after")
     def _rod_fits(self) -> Self:
@@ -41,11 +48,6 @@ class Cylinder(Section):
     def area_b(self) -> float:
         """Piston area of the B-side, A_B [m²]."""
         return math.pi / 4 * (self.bore**2 - self.rod**2)
-
-    @property
-    def share_a(self) -> float:
-        """Share of the A-side in both areas, A_A/(A_A + A_B)."""
-        return self.area_a / (self.area_a + self.area_b)
 
 
 class Oil(Section):
@@ -71,11 +73,11 @@ class Oil(Section):
 
 
 class Hose(Section):
-    """The hoses between the valves and the two chambers."""
+    """The hoses between the valves and the chambers."""
 
     diameter: float = quantity("m", "D_h", "inner diameter", at_least=1e-3, at_most=1)
-    length_a: float = quantity("m", "L_h,A", "length, A-side", at_least=0, at_most=1e3)
-    length_b: float = quantity("m", "L_h,B", "length, B-side", at_least=0, at_most=1e3)
+    length_a: float = quantity("m", "L_h,A", "length, A-side", math.nan, at_least=0, at_most=1e3)
+    length_b: float = quantity("m", "L_h,B", "length, B-side", math.nan, at_least=0, at_most=1e3)
     bulk_modulus: float = quantity(
         "Pa", "B_h", "bulk modulus of the hose", at_least=1e6, at_most=1e14
     )
@@ -88,15 +90,9 @@ class Hose(Section):
     )
     oil_viscosity: float = quantity("Pa s", "μ", "dynamic viscosity", 0.04, at_least=0, at_most=100)
 
-    @property
-    def volume_a(self) -> float:
-        """Hose volume of the A-side, V_h,A [m³]."""
-        return math.pi / 4 * self.diameter**2 * self.length_a
-
-    @property
-    def volume_b(self) -> float:
-        """Hose volume of the B-side, V_h,B [m³]."""
-        return math.pi / 4 * self.diameter**2 * self.length_b
+    def volume(self, length: float) -> float:
+        """Return the volume V_h [m³] of a hose of some length [m]."""
+        return math.pi / 4 * self.diameter**2 * length
 
 
 class Valves(Section):

@@ -8,17 +8,25 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.arrays import frozen
+from mptune.params.chambers import NUMBERS, Side, volumes_of
 from mptune.params.estimator import place_estimator
 from mptune.params.line_table import line_table
 from mptune.params.packed import (
+    AREA,
+    CHAMBER_ROWS,
+    DEAD,
+    HOSE,
     NO_ESTIMATOR,
     NO_PATH,
+    SIZE,
     TRUE_SENSORS,
     FeedforwardTuple,
     ForceSettings,
     LoopGains,
     Machine,
     MeasurementPath,
+    MoreChambers,
     NominalPlant,
     SensorErrors,
     SignalSettings,
@@ -73,9 +81,9 @@ def pack_measured(study: ResolvedStudy) -> MeasurementPath:
 
 
 def force_noise(study: ResolvedStudy) -> float:
-    """Return the rms of the noise that both pressure sensors make of A_A p_A − A_B p_B [N]."""
-    cylinder = study.study.cylinder
-    return study.study.controller.pressure_noise * math.hypot(cylinder.area_a, cylinder.area_b)
+    """Return the rms of the noise that all pressure sensors make of the force [N]."""
+    areas = (one.area for one in study.study.all_chambers)
+    return study.study.controller.pressure_noise * math.hypot(*areas)
 
 
 def pack_sensors(sensors: SensorTruth) -> SensorErrors:
@@ -135,20 +143,25 @@ def pack_nominal(study: ResolvedStudy, *, explicit: bool = False) -> NominalPlan
 def pack_machine(
     study: ResolvedStudy, mass: float, oil_bulk_modulus: float, load: float
 ) -> Machine:
-    """Return one machine as a kernel tuple."""
-    cylinder, hose, valves = study.study.cylinder, study.study.hose, study.study.valves
+    """Return one machine as a kernel tuple.
+
+    What stands in it of A and B is the sum over all chambers of a side; those of a machine that has
+    more than one on a side are ``pack_chambers``.
+    """
+    hose, valves = study.study.hose, study.study.valves
+    pushing, pulling = (volumes_of(study.study.side(side), hose) for side in Side)
     supplies, outer = study.study.supplies, study.study.load
     section = math.pi / 4 * hose.diameter**2
     inertance = hose.oil_density / section if hose.dynamics else 0.0
     resistance = 8 * math.pi * hose.oil_viscosity / section**2  # laminar
     return Machine(
-        area_a=cylinder.area_a,
-        area_b=cylinder.area_b,
-        stroke=cylinder.stroke,
-        dead_a=cylinder.dead_volume_a + hose.volume_a,
-        dead_b=cylinder.dead_volume_b + hose.volume_b,
-        hose_a=hose.volume_a,
-        hose_b=hose.volume_b,
+        area_a=pushing.area,
+        area_b=pulling.area,
+        stroke=study.study.cylinder.stroke,
+        dead_a=pushing.dead,
+        dead_b=pulling.dead,
+        hose_a=pushing.hose,
+        hose_b=pulling.hose,
         oil=oil_bulk_modulus,
         hose=hose.bulk_modulus,
         flow_coefficient=valves.flow_coefficient,
@@ -173,12 +186,41 @@ def pack_machine(
         converter_area=supplies.converter_area,
         converter_travel=supplies.converter_travel,
         converter_friction=supplies.converter_friction,
-        line_inertance=inertance * hose.length_a,
-        line_inertance_b=inertance * hose.length_b,
-        line_resistance=resistance * hose.length_a,
-        line_resistance_b=resistance * hose.length_b,
+        line_inertance=inertance * pushing.length,
+        line_inertance_b=inertance * pulling.length,
+        line_resistance=resistance * pushing.length,
+        line_resistance_b=resistance * pulling.length,
         converters=study.study.converters,
     )
+
+
+def pack_chambers(study: ResolvedStudy) -> MoreChambers | None:
+    """Return the chambers of a machine that has more than two; None of one that has two.
+
+    Kernels compile in whether there are any, so that those of two chambers know nothing of them.
+    """
+    chambers, hose = study.study.all_chambers, study.study.hose
+    if len(chambers) == NUMBERS[0]:
+        return None
+    table, settings, known = np.zeros((CHAMBER_ROWS, len(chambers))), [], pack_force(study)
+    for place, one in enumerate(chambers):
+        own = volumes_of((one,), hose)
+        pushes = one.side is Side.PUSHING
+        table[AREA, place] = own.area if pushes else -own.area
+        table[DEAD, place], table[HOSE, place] = own.dead, own.hose
+        table[SIZE, place] = one.valves
+        settings.append(
+            known._replace(
+                area_a=own.area if pushes else 0.0,
+                area_b=0.0 if pushes else own.area,
+                dead_a=own.dead,
+                dead_b=own.dead,
+                hose_a=own.hose,
+                hose_b=own.hose,
+                flow_coefficient=known.flow_coefficient * one.valves,
+            )
+        )
+    return MoreChambers(frozen(table), tuple(settings))
 
 
 def _following_pump(study: ResolvedStudy) -> dict[str, float]:

@@ -25,6 +25,13 @@ LINE_ROWS = 6
 OPEN_A, OPEN_B = LINE_ROWS, LINE_ROWS + 1
 OPEN_ROWS = LINE_ROWS + 2
 
+# Rows of a table of chambers ``(CHAMBER_ROWS, C)``, in the order of the study.
+AREA = 0  # m², positive where pressure pushes the piston out
+DEAD = 1  # m³, V_0 + V_h
+HOSE = 2  # m³, V_h
+SIZE = 3  # -, of the chamber's valves, in those of the edges
+CHAMBER_ROWS = 4
+
 
 class Plant(NamedTuple):
     """One plant of Eq. 15, in SI."""
@@ -166,6 +173,15 @@ class ForceSettings(NamedTuple):
     weight_compression: float
     rest_velocity: float  # m/s, below which a closed chamber counts as settled
     weight_pressure: float  # N/Pa, of pressures beyond their limits; 0 for a fixed penalty
+
+
+class MoreChambers(NamedTuple):
+    """The chambers of a machine that has more than two."""
+
+    table: FloatArray  # (CHAMBER_ROWS, C)
+    # (C,) what the force controller knows of each: as of side A where it pushes, else of side B,
+    # with the flow coefficient of its own valves.
+    settings: tuple[ForceSettings, ...]
 
 
 class StateEstimator(NamedTuple):

@@ -172,6 +172,18 @@ LEDGER = (
         "40 rad/s, 20° at 100 and 44° at 200; with small valves the delay is exactly T_S",
     ),
     Disagreement(
+        "Eq. 11, more than two chambers",
+        "one chamber pushes and one pulls",
+        "A_A and A_B sums over all that push and all that pull, τ_A and τ_B their means by area",
+        "with every pressure reference moved by F_ref/ΣA_i the force is F_ref Σ a_i/(τ_i s + 1), "
+        "a_i = A_i/ΣA. A side whose lags are equal has Eq. 11's part exactly, as without hoses, "
+        "where Eq. 12 knows no volume. Else its mean lag keeps the value and the slope at s = 0, "
+        "and at jω it is off, either way, by at most its share times ω² Var τ/(1 + ω² τ_min²)^1.5 "
+        "(Taylor's remainder): 0.0007 of G_F(0) where the four-chamber study has hoses of 12.7 mm "
+        "and 1 m. That lines are few, and forces steps of 4.4 kN there, the linear model does not "
+        "see",
+    ),
+    Disagreement(
         "Eq. 15",
         "the valve delay stands in series with G_F",
         "in series, as printed; `mptune identify --delay` shows the difference",

@@ -60,8 +60,8 @@ def lost_force(study: Study, move: Manoeuvre) -> float:
     each while they move, and as much again for switching them. Errs high: simulated, the paper's
     machine loses 0.84 to 0.94 of it, those of studies/crane and studies/fast 0.7 to 0.8.
     """
-    cylinder, load = study.cylinder, study.load
-    throttling = (cylinder.area_a + cylinder.area_b) * pressure_step(study)
+    load = study.load
+    throttling = (study.area_a + study.area_b) * pressure_step(study)
     speed = move.travel / move.duration
     return throttling + load.friction_coulomb + load.friction_viscous * speed
 
@@ -73,8 +73,8 @@ def oil_taken(study: Study) -> Iterator[Taken]:
     carries (A_A − A_B) p_LP of the load; kinetic energy comes back and is left out.
     """
     loads = [one for force in study.verification.load_forces for one in study.loads_at(force)]
-    cylinder, span = study.cylinder, _span(study)
-    carried = (cylinder.area_a - cylinder.area_b) * study.supplies.low_pressure
+    span = _span(study)
+    carried = (study.area_a - study.area_b) * study.supplies.low_pressure
     for number, move in enumerate(study.manoeuvre):
         way = move.reach[1] - move.reach[0]
         lifted = [0.0]
@@ -138,7 +138,7 @@ def least_converter(study: Study) -> float:
 def swept_volume(study: Study) -> float:
     """Return what the larger chamber sweeps over all moves [m³]."""
     low, high = study.reach()
-    return max(study.cylinder.area_a, study.cylinder.area_b) * (high - low)
+    return max(study.area_a, study.area_b) * (high - low)
 
 
 def converter_weights(study: Study) -> Range:
@@ -150,7 +150,7 @@ def converter_weights(study: Study) -> Range:
     """
     step = pressure_step(study)
     valve = study.valves.flow_coefficient * max(map(max, study.edge_rule.sizes))
-    price = study.cylinder.area_a * step / (valve * math.sqrt(step / 2))  # per m³ of travel³
+    price = study.area_a * step / (valve * math.sqrt(step / 2))  # per m³ of travel³
     whole = price / study.supplies.converter_travel**3
     return whole / 2, 8 * whole
 
@@ -171,7 +171,7 @@ def longest_filters(study: Study) -> dict[str, float]:
 
 def most_friction(study: Study) -> float:
     """Return the stiction [N] beyond which it is hardly that of seals, see ``FRICTION_SHARE``."""
-    return FRICTION_SHARE * study.cylinder.area_a * study.supplies.high_pressure
+    return FRICTION_SHARE * study.area_a * study.supplies.high_pressure
 
 
 def _span(study: Study) -> float:

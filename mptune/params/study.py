@@ -11,6 +11,7 @@ from pydantic import AfterValidator, Field, model_validator
 
 from mptune.escaping import toml_key
 from mptune.params.campaign import Campaign
+from mptune.params.chambers import SHORT_FORM, Chamber, Side, chambers_of, check_chambers
 from mptune.params.controller import Controller, Feedforward, Gains
 from mptune.params.doubts import Doubt
 from mptune.params.estimator import Estimator
@@ -33,7 +34,12 @@ CHOSEN = ("gains", "feedforward", "estimator")
 """Sections that a tuner may choose: they stand in gains files and outside the model's hash."""
 
 # What the paper's machine has none of: left out of the hash where it says nothing else.
-_PLAIN = {"lines": (), "edges": Edges().model_dump(), "controller.weight_pressure": 0.0}
+_PLAIN = {
+    "chambers": (),
+    "lines": (),
+    "edges": Edges().model_dump(),
+    "controller.weight_pressure": 0.0,
+}
 
 SOURCE_KINDS = ("published", "derived", "assumed", "calibrated", "measured")
 _LIKE_THIS = 'write sources like "cylinder.bore" = "derived: how"'
@@ -66,6 +72,7 @@ class Study(Summarised, Section):
 
     title: str = Field("", description="title for print")
     cylinder: Cylinder
+    chambers: tuple[Chamber, ...] = ()
     oil: Oil
     hose: Hose
     valves: Valves
@@ -106,7 +113,8 @@ class Study(Summarised, Section):
         return self
 
     @model_validator(mode="after")
-    def _lines_make_a_machine(self) -> Self:
+    def _chambers_and_lines_make_a_machine(self) -> Self:
+        check_chambers(self.chambers)
         check_lines(self.lines)
         return self
 
@@ -191,6 +199,30 @@ class Study(Summarised, Section):
         ]  # fmt: skip
 
     @property
+    def all_chambers(self) -> tuple[Chamber, ...]:
+        """Every chamber of the machine: those written, or the two of ``[cylinder]``."""
+        return chambers_of(self.chambers, self.cylinder, self.hose)
+
+    def side(self, side: Side) -> tuple[Chamber, ...]:
+        """Return the chambers of one side."""
+        return tuple(one for one in self.all_chambers if one.side is side)
+
+    @property
+    def area_a(self) -> float:
+        """Piston area of all that pushes, A_A [m²]."""
+        return sum(one.area for one in self.side(Side.PUSHING))
+
+    @property
+    def area_b(self) -> float:
+        """Piston area of all that pulls, A_B [m²]."""
+        return sum(one.area for one in self.side(Side.PULLING))
+
+    @property
+    def share_a(self) -> float:
+        """Share of the A-side in all areas, A_A/(A_A + A_B)."""
+        return self.area_a / (self.area_a + self.area_b)
+
+    @property
     def edge_rule(self) -> EdgeRule:
         """The valves of every line, and the kinds of states that they are put to."""
         return edge_rule(self.lines, self.edges)
@@ -259,6 +291,10 @@ class ResolvedStudy(Summarised, Section):
             place = values[section] if section else values
             if place[key] == plain:
                 del place[key]
+        if "chambers" in values:  # which stand in the place of these
+            for section, keys in SHORT_FORM.items():
+                for key in keys:
+                    del values[section][key]
         if self.study.estimator.kind != "filters":  # which is no tuner's choice
             values["estimator"] = {"kind": self.study.estimator.kind}
         unnamed = {"measured": {"__all__": {"name"}}}  # a file's content counts, not its name

@@ -2,7 +2,8 @@
 
 State, SI: piston position and velocity, chamber pressures A and B, oil in the accumulator,
 converter positions; then the energies that the state has cost so far. Of all sizes only the two
-chambers are compiled in: there are as many lines and converters as the table of lines has.
+chambers are compiled in: there are as many lines and converters as the table of lines has. More
+chambers have a right-hand side of their own, ``mptune.plant.chambers``, made of the same parts.
 """
 
 from __future__ import annotations
@@ -52,6 +53,12 @@ def _pressure_rate(pressure: float, rate: float) -> float:
 
 
 @inlined_kernel
+def valve_flow(scale: float, opened: float, difference: float, transition: float) -> float:
+    """Return the flow through open valves [m³/s] at a pressure difference [Pa]."""
+    return scale * opened * orifice(difference, transition)  # Eq. 2
+
+
+@inlined_kernel
 def rates(
     state: FloatArray,
     lines: FloatArray,
@@ -60,6 +67,7 @@ def rates(
     burden: Burden,
     slope: FloatArray,
     power: FloatArray,
+    _chambers: FloatArray | None = None,
 ) -> None:
     """Fill ``slope`` ``(S,)`` with the state's time derivative and ``power`` ``(8,)`` with powers.
 
@@ -94,6 +102,7 @@ def rates_with_lines(
     burden: Burden,
     slope: FloatArray,
     power: FloatArray,
+    _chambers: FloatArray | None = None,
 ) -> None:
     """Do what ``rates`` does for the ``(S + 4,)`` states of a machine with hoses as lines.
 
@@ -153,8 +162,8 @@ def _supply_flows(
             )
         to_a, to_b = pressure - pressure_a, pressure - pressure_b
         scale, tr = machine.flow_coefficient, machine.transition_pressure
-        into_a = scale * open_a * orifice(to_a, tr)  # Eq. 2
-        into_b = scale * open_b * orifice(to_b, tr)
+        into_a = valve_flow(scale, open_a, to_a, tr)
+        into_b = valve_flow(scale, open_b, to_b, tr)
         if one_way and lines[SHARE, k] == 1:
             into_a, into_b = max(into_a, 0.0), max(into_b, 0.0)
             load = max(pressure_a if open_a > 0 else 0.0, pressure_b if open_b > 0 else 0.0)
@@ -168,10 +177,40 @@ def _supply_flows(
         if converter >= 0:
             slope[CONVERTER + converter] = -drawn / machine.converter_area
             rubbed += (ideal - pressure) * drawn
-    power[ACCUMULATOR] = high * from_high + given
     power[TANK] = low * from_low
     power[THROTTLING] = throttled
     power[CONVERTER_FRICTION] = rubbed
+    feed(high, from_high, given, load, pumping, machine, slope, power)
+    return flow_a, flow_b
+
+
+@inlined_kernel
+def feed(
+    high: float,
+    from_high: float,
+    given: float,
+    load: float,
+    pumping: float,
+    machine: Machine,
+    slope: FloatArray,
+    power: FloatArray,
+) -> None:
+    """Fill the slope of the highest line, and what accumulator and pump give.
+
+    Parameters
+    ----------
+    high, from_high
+        The line's pressure [Pa] and the flow out of it [m³/s].
+    given
+        Power of the constant lines between the lowest and the highest [W].
+    load
+        Pressure that a pump follows [Pa].
+    pumping, machine
+        As ``rates`` has them.
+    slope, power
+        Filled as far as said.
+    """
+    power[ACCUMULATOR] = high * from_high + given
     if machine.accumulator_volume > 0:
         pumped = pumping * machine.pump_flow
         relieved = max(high - machine.relief_pressure, 0.0) * _RELIEF_GRADIENT
@@ -180,12 +219,11 @@ def _supply_flows(
         power[RELIEF] = high * relieved
     else:  # a line of constant pressure, or a pump that follows the load: it gives what is drawn
         slope[OIL] = 0.0
-        if one_way:
+        if machine.pump_lag > 0:
             wanted = max(load + machine.pump_margin, machine.pump_standby)
             slope[OIL] = (min(wanted, machine.relief_pressure) - high) / machine.pump_lag
         power[PUMP] = power[ACCUMULATOR]
         power[RELIEF] = 0.0
-    return flow_a, flow_b
 
 
 @inlined_kernel
@@ -211,13 +249,47 @@ def _chamber_rates(
     volume_a = machine.area_a * x + machine.dead_a - (machine.hose_a - hose_a)
     away_b = machine.stroke - x
     volume_b = machine.area_b * away_b + machine.dead_b - (machine.hose_b - hose_b)
-    bulk_a = effective_bulk_modulus(machine.oil, machine.hose, hose_a, volume_a)
-    bulk_b = effective_bulk_modulus(machine.oil, machine.hose, hose_b, volume_b)
     squeezed_a = flow_a - machine.area_a * v
     squeezed_b = flow_b + machine.area_b * v
-    slope[PRESSURE_A] = _pressure_rate(pressure_a, bulk_a / volume_a * squeezed_a)  # Eq. 1, line 1
-    slope[PRESSURE_B] = _pressure_rate(pressure_b, bulk_b / volume_b * squeezed_b)  # Eq. 1, line 2
+    slope[PRESSURE_A] = chamber_rate(pressure_a, volume_a, hose_a, squeezed_a, machine)
+    slope[PRESSURE_B] = chamber_rate(pressure_b, volume_b, hose_b, squeezed_b, machine)
     force = machine.area_a * pressure_a - machine.area_b * pressure_b
+    power[COMPRESSION] = pressure_a * squeezed_a + pressure_b * squeezed_b + stored
+    drive(state, force, machine, burden, slope, power)
+
+
+@inlined_kernel
+def chamber_rate(
+    pressure: float, volume: float, hose: float, squeezed: float, machine: Machine
+) -> float:
+    """Return the rate of a chamber's pressure [Pa/s].
+
+    Parameters
+    ----------
+    pressure
+        Its pressure [Pa].
+    volume, hose
+        Its whole volume, and that of the hose in it [m³].
+    squeezed
+        The flow into it less what the piston takes [m³/s].
+    machine
+        Oil and hose.
+    """
+    bulk = effective_bulk_modulus(machine.oil, machine.hose, hose, volume)
+    return _pressure_rate(pressure, bulk / volume * squeezed)  # Eq. 1, lines 1 and 2
+
+
+@inlined_kernel
+def drive(
+    state: FloatArray,
+    force: float,
+    machine: Machine,
+    burden: Burden,
+    slope: FloatArray,
+    power: FloatArray,
+) -> None:
+    """Fill the slopes of the piston under a force of its chambers [N], and its power."""
+    x, v = state[X], state[V]
     away = x - burden.position
     # A boom's inertia varies with position; half its slope times v² acts like a force (Lagrange).
     opposed = burden.force + burden.stiffness * away + 0.5 * burden.mass_slope * v * v
@@ -225,4 +297,3 @@ def _chamber_rates(
     slope[X] = v
     slope[V] = (force - opposed) / (burden.mass + burden.mass_slope * away)  # Eq. 1, line 3
     power[PISTON] = force * v
-    power[COMPRESSION] = pressure_a * squeezed_a + pressure_b * squeezed_b + stored

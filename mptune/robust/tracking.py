@@ -102,7 +102,7 @@ def verification_plants(study: ResolvedStudy) -> Plants:
         axis.ravel() for axis in np.meshgrid(asked.masses, delays, oils, indexing="ij")
     )
     tau_a, tau_b = time_constants_at(study, oil, asked.start)
-    return Plants(mass, delay, tau_a, tau_b, np.full(len(mass), machine.cylinder.share_a))
+    return Plants(mass, delay, tau_a, tau_b, np.full(len(mass), machine.share_a))
 
 
 def _continuous(model: LinearModel, plants: Plants, gains: LoopGains, move: Moves) -> FloatArray:

@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import FloatArray, inlined_kernel, kernel, lending_kernel
-from mptune.params.packed import OPEN_ROWS
+from mptune.params.packed import LINE_ROWS, OPEN_ROWS
+from mptune.plant.chamber_valves import open_valves_of_chambers
+from mptune.plant.chambers import place_of, rates_of_chambers
 from mptune.plant.machine import (
     CONVERTER,
     ENERGIES,
     LINE_STATES,
     PRESSURE_A,
     PRESSURE_B,
-    VALVE_END_A,
-    VALVE_END_B,
     V,
     X,
     rates,
@@ -32,7 +32,7 @@ from mptune.plant.valve import ValveState, advance, copy_open, open_valves, quie
 if TYPE_CHECKING:
     from collections.abc import Callable
 
-    from mptune.params.packed import Machine
+    from mptune.params.packed import Machine, MoreChambers
     from mptune.plant.piston import Burden
 
 SUBSTEPS, CALM_SUBSTEPS = 5, 2  # of the machine's integration in one tick of 0.5 ms
@@ -40,6 +40,7 @@ SUBSTEPS, CALM_SUBSTEPS = 5, 2  # of the machine's integration in one tick of 0.
 # behind them, which do not change.
 _COMPILED = 9
 _CALM = 1e4  # Pa over one tick: slower pressures are calm
+_FURTHER = 2  # pressures behind the machine's own states: valves' ends, or chambers C and D
 
 
 class Work(NamedTuple):
@@ -51,15 +52,36 @@ class Work(NamedTuple):
     k4: FloatArray
     ahead: FloatArray
     power: FloatArray  # (8,)
-    start: FloatArray  # (OPEN_ROWS, L) each, the lines that have an open valve
+    start: FloatArray  # (OPEN_ROWS, L) each, the lines that have an open valve; see ``opening``
     middle: FloatArray
     end: FloatArray
     lines: FloatArray  # (LINE_ROWS, L) all lines
     edge: FloatArray  # (2, W/2) line and size of each valve of a side
 
 
+@lending_kernel
+def opening(
+    valves: ValveState,
+    edge: FloatArray,
+    lines: FloatArray,
+    opened: FloatArray,
+    more: MoreChambers | None = None,
+) -> None:
+    """Fill a table of open valves: as two chambers read it, or as more of them do."""
+    if more is None:
+        open_valves(valves, edge, lines, opened)
+    else:
+        open_valves_of_chambers(valves, edge, lines, more.table, opened)
+
+
 @kernel
-def new_work(valves: ValveState, lines: FloatArray, edge: FloatArray, states: int) -> Work:
+def new_work(
+    valves: ValveState,
+    lines: FloatArray,
+    edge: FloatArray,
+    states: int,
+    more: MoreChambers | None = None,
+) -> Work:
     """Return room for the integration, with the valves as they stand.
 
     Parameters
@@ -72,8 +94,13 @@ def new_work(valves: ValveState, lines: FloatArray, edge: FloatArray, states: in
         ``(2, W/2)``, see ``mptune.plant.valve.open_valves``.
     states
         Length of the state.
+    more
+        The machine's chambers where there are more than two.
     """
-    size = OPEN_ROWS, lines.shape[1]
+    rows = OPEN_ROWS
+    if more is not None:
+        rows = LINE_ROWS + more.table.shape[1]
+    size = rows, lines.shape[1]
     work = Work(
         np.zeros(states),
         np.zeros(states),
@@ -88,7 +115,7 @@ def new_work(valves: ValveState, lines: FloatArray, edge: FloatArray, states: in
         edge,
     )
     for table in (work.start, work.middle, work.end):
-        open_valves(valves, edge, lines, table)
+        opening(valves, edge, lines, table, more)
     work.k4[PRESSURE_A] = np.inf  # nothing is calm before the first step
     return work
 
@@ -105,6 +132,7 @@ def integrate(
     now: float,
     span: float,
     work: Work,
+    more: MoreChambers | None = None,
 ) -> None:
     """Advance the machine over one tick.
 
@@ -124,10 +152,15 @@ def integrate(
         When the tick begins and how long it lasts [s].
     work
         Room, which remembers the valves and the last slopes.
+    more
+        The machine's chambers where there are more than two.
     """
     burden = burden_at(state[X], machine, table)
     still = quiet(valves, now + span)
     rate = max(abs(work.k4[PRESSURE_A]), abs(work.k4[PRESSURE_B]))  # at the end of the last step
+    if more is not None:
+        for i in range(more.table.shape[1]):
+            rate = max(rate, abs(work.k4[place_of(i, machine)]))
     substeps = CALM_SUBSTEPS if still and rate * span < _CALM else SUBSTEPS
     h = span / substeps
     for sub in range(substeps):
@@ -136,14 +169,16 @@ def integrate(
         if not still:
             moved = advance(valves, at, 0.5 * h, ramp)
             if moved:
-                open_valves(valves, work.edge, work.lines, work.middle)
+                opening(valves, work.edge, work.lines, work.middle, more)
             moved = advance(valves, at + 0.5 * h, 0.5 * h, ramp) or moved
             if moved:
-                open_valves(valves, work.edge, work.lines, work.end)
-        if machine.line_inertance > 0:
-            runge_kutta_with_lines(state, energy, pumping, machine, burden, h, work)
+                opening(valves, work.edge, work.lines, work.end, more)
+        if more is not None:
+            runge_kutta_of_chambers(state, energy, pumping, machine, burden, h, work, more.table)
+        elif machine.line_inertance > 0:
+            runge_kutta_with_lines(state, energy, pumping, machine, burden, h, work, None)
         else:
-            runge_kutta(state, energy, pumping, machine, burden, h, work)
+            runge_kutta(state, energy, pumping, machine, burden, h, work, None)
         if moved:
             copy_open(work.start, work.end)
             copy_open(work.middle, work.end)
@@ -155,10 +190,10 @@ def _spend(energy: FloatArray, share: float, power: FloatArray) -> None:
         energy[i] += share * power[i]
 
 
-def _stepper(slopes: Callable[..., None], more: int) -> Callable[..., None]:
+def _stepper(slopes: Callable[..., None], more: int, pressures: int) -> Callable[..., None]:
     """Return one step of the classical Runge-Kutta method for a right-hand side of its own.
 
-    ``more`` are the states that it has beyond the machine's own.
+    ``more`` are the states that it has beyond the machine's own, the first of them ``pressures``.
     """
 
     def step(
@@ -169,55 +204,56 @@ def _stepper(slopes: Callable[..., None], more: int) -> Callable[..., None]:
         burden: Burden,
         h: float,
         work: Work,
+        chambers: FloatArray | None,
     ) -> None:
         k1, k2, k3, k4 = work.k1, work.k2, work.k3, work.k4
         ahead, power = work.ahead, work.power
         count = states_of(machine) + more
-        slopes(state, work.start, pumping, machine, burden, k1, power)
+        slopes(state, work.start, pumping, machine, burden, k1, power, chambers)
         _spend(energy, h / 6, power)
         for i in range(_COMPILED):
             ahead[i] = state[i] + 0.5 * h * k1[i]
         for i in range(_COMPILED, count):
             ahead[i] = state[i] + 0.5 * h * k1[i]
-        slopes(ahead, work.middle, pumping, machine, burden, k2, power)
+        slopes(ahead, work.middle, pumping, machine, burden, k2, power, chambers)
         _spend(energy, h / 3, power)
         for i in range(_COMPILED):
             ahead[i] = state[i] + 0.5 * h * k2[i]
         for i in range(_COMPILED, count):
             ahead[i] = state[i] + 0.5 * h * k2[i]
-        slopes(ahead, work.middle, pumping, machine, burden, k3, power)
+        slopes(ahead, work.middle, pumping, machine, burden, k3, power, chambers)
         _spend(energy, h / 3, power)
         for i in range(_COMPILED):
             ahead[i] = state[i] + h * k3[i]
         for i in range(_COMPILED, count):
             ahead[i] = state[i] + h * k3[i]
-        slopes(ahead, work.end, pumping, machine, burden, k4, power)
+        slopes(ahead, work.end, pumping, machine, burden, k4, power, chambers)
         _spend(energy, h / 6, power)
         for i in range(_COMPILED):
             state[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i])
         for i in range(_COMPILED, count):
             state[i] += h / 6 * (k1[i] + 2 * k2[i] + 2 * k3[i] + k4[i])
-        _stops(state, machine)
+        _stops(state, machine, pressures)
 
     return step
 
 
 @inlined_kernel
-def _stops(state: FloatArray, machine: Machine) -> None:
+def _stops(state: FloatArray, machine: Machine, further: int) -> None:
     """Hold piston, converters and pressures inside what is physically possible."""
     if state[X] < 0 or state[X] > machine.stroke:
         state[X] = min(max(state[X], 0.0), machine.stroke)
         state[V] = 0.0
     state[PRESSURE_A] = max(state[PRESSURE_A], 0.0)
     state[PRESSURE_B] = max(state[PRESSURE_B], 0.0)
-    if machine.line_inertance > 0:
-        own = states_of(machine)
-        state[own + VALVE_END_A] = max(state[own + VALVE_END_A], 0.0)
-        state[own + VALVE_END_B] = max(state[own + VALVE_END_B], 0.0)
+    own = states_of(machine)
+    for i in range(own, own + further):
+        state[i] = max(state[i], 0.0)
     for i in range(machine.converters):
         place = state[CONVERTER + i]
         state[CONVERTER + i] = min(max(place, -machine.converter_travel), machine.converter_travel)
 
 
-runge_kutta = inlined_kernel(_stepper(rates, 0))
-runge_kutta_with_lines = lending_kernel(_stepper(rates_with_lines, LINE_STATES))
+runge_kutta = inlined_kernel(_stepper(rates, 0, 0))
+runge_kutta_with_lines = lending_kernel(_stepper(rates_with_lines, LINE_STATES, _FURTHER))
+runge_kutta_of_chambers = lending_kernel(_stepper(rates_of_chambers, _FURTHER, _FURTHER))

@@ -6,17 +6,15 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from mptune.params.packed import AREA
 from mptune.plant import machine as plant
 from mptune.sim import closed_loop as loop
 from mptune.sim.record import BrokenLimit, Energies, RunRecord
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
-    from mptune.params.packed import Machine
+    from mptune.params.packed import Machine, MoreChambers
     from mptune.sim.moves import Moves
-
-_CONVERTERS = slice(loop.CONVERTER_1, None)
-_CHAMBERS = slice(loop.CHAMBER_A, loop.CHAMBER_B + 1)
 
 
 def record_of(
@@ -29,6 +27,7 @@ def record_of(
     force_limits: tuple[float, float],
     begin: float = 0.0,
     busiest: int | None = None,
+    more: MoreChambers | None = None,
 ) -> RunRecord:
     """Return the record of one movement set; it looks at the trace and does not copy it.
 
@@ -52,10 +51,15 @@ def record_of(
         When the set began [s].
     busiest
         Switches of the busiest valve in the set; None where they were not counted.
+    more
+        The machine's chambers where there are more than two.
     """
+    areas = [machine.area_a, -machine.area_b] if more is None else more.table[AREA]
+    columns = loop.chamber_columns(machine.converters, len(areas)).pressures
     with np.errstate(invalid="ignore", over="ignore"):  # of a run that left the numbers
-        force = machine.area_a * trace[:, loop.CHAMBER_A]
-        force = force - machine.area_b * trace[:, loop.CHAMBER_B]
+        force = areas[0] * trace[:, columns[0]]
+        for area, column in zip(areas[1:], columns[1:], strict=True):
+            force = force + area * trace[:, column]
     return RunRecord(
         sample_time=tick,
         position_reference=trace[:, loop.X_REF],
@@ -71,16 +75,28 @@ def record_of(
         switches=switches,
         force_limits=force_limits,
         broken=broken_limits(trace, machine, tick, begin),
-        pressures=trace[:, _CHAMBERS],
-        own_figures=_converter_peak(trace) if machine.converters else {},
+        pressures=_pressures(trace, columns),
+        own_figures=_converter_peak(trace, machine) if machine.converters else {},
         busiest=busiest,
         commands=moves.commands,
     )
 
 
-def _converter_peak(trace: FloatArray) -> dict[str, float]:
+def _pressures(trace: FloatArray, columns: list[int]) -> FloatArray:
+    """Return the chambers' pressures, of two chambers without a copy."""
+    first, last = columns[0], columns[-1] + 1
+    if columns == list(range(first, last)):
+        return trace[:, first:last]
+    return trace[:, columns]
+
+
+def _converters(trace: FloatArray, machine: Machine) -> FloatArray:
+    return trace[:, loop.CONVERTER_1 : loop.CONVERTER_1 + machine.converters]
+
+
+def _converter_peak(trace: FloatArray, machine: Machine) -> dict[str, float]:
     """Return how far a converter piston came from its centre, as a figure of the machine's own."""
-    return {"converter_peak_mm": 1e3 * float(np.abs(trace[:, _CONVERTERS]).max())}
+    return {"converter_peak_mm": 1e3 * float(np.abs(_converters(trace, machine)).max())}
 
 
 def energies_of(energy: FloatArray) -> Energies:
@@ -104,7 +120,7 @@ def broken_limits(
 ) -> tuple[BrokenLimit, ...]:
     """Return the limits that a set breaks and when first, in the order of time."""
     slack = 1e-6
-    converters = np.abs(trace[:, _CONVERTERS]).max(axis=1, initial=0.0)
+    converters = np.abs(_converters(trace, machine)).max(axis=1, initial=0.0)
     position = trace[:, loop.POSITION]
     empty = machine.accumulator_precharge * (1 + slack)
     tests = {

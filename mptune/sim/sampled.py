@@ -168,7 +168,7 @@ def linear_moves(
             for modulus in machine.verification.oil_bulk_moduli:
                 tau_a, tau_b = time_constants_at(study, modulus, machine.verification.start)
                 held = delay + period / 2
-                plant = Plant(mass, held, tau_a, tau_b, machine.cylinder.share_a)
+                plant = Plant(mass, held, tau_a, tau_b, machine.share_a)
                 traces = run_linear(
                     plant, pack_gains(gains), path, period, moves.pieces, ahead, ticks, estimator
                 )

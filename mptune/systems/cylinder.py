@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import FloatArray, inlined_kernel, kernel
-from mptune.plant.bulk import effective_bulk_modulus
+from mptune.plant.machine import chamber_rate
 from mptune.plant.piston import Burden, friction
 
 if TYPE_CHECKING:
@@ -104,10 +104,8 @@ def piston_rates(
     for i in range(len(flow)):
         pressure = state[PRESSURE + i]
         volume = volume_of(state[X], i, chambers, machine.stroke)
-        bulk = effective_bulk_modulus(machine.oil, machine.hose, chambers.hose[i], volume)
         net = flow[i] - chambers.area[i] * velocity
-        rate = bulk / volume * net  # Eq. 1, lines 1 and 2
-        slope[PRESSURE + i] = 0.0 if pressure <= 0 and rate < 0 else rate  # cavitation
+        slope[PRESSURE + i] = chamber_rate(pressure, volume, chambers.hose[i], net, machine)
         squeezed += pressure * net
     force = piston_force(state, chambers)
     away = state[X] - burden.position

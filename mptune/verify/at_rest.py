@@ -7,15 +7,16 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.force.cost import force_limits
+from mptune.params.chambers import Side
 from mptune.params.pack import pack_force, pack_table
 from mptune.params.packed import NO_FEEDFORWARD
 from mptune.plant import machine as plant
 from mptune.plant.piston import burden_at
 from mptune.plant.supplies import oil_at_pressure
-from mptune.plant.valve import SIDES, shut_valves
+from mptune.plant.valve import shut_valves
 from mptune.signals.adaptive_mass import start_learning
 from mptune.signals.states import INTEGRAL, LOAD_HEARD, POSITION_HEARD, REFERENCE
-from mptune.sim import closed_loop as loop
+from mptune.sim.memory import OUTER_PLACES, SENSED, Memory
 
 if TYPE_CHECKING:
     from mptune.arrays import FloatArray
@@ -32,11 +33,11 @@ def new_memory(
     gains: LoopGains,
     start: float,
     ahead: FeedforwardTuple = NO_FEEDFORWARD,
-) -> loop.Memory:
+) -> Memory:
     """Return machine and controller at rest at ``start`` [m].
 
-    The chamber pressures carry the load, and so does the integrator, as far as the controller can:
-    there is none without K_I,pos, and F_ref has its limits.
+    The chamber pressures, alike on either side, carry the load, and so does the integrator, as far
+    as the controller can: there is none without K_I,pos, and F_ref has its limits.
     """
     supplies = study.study.supplies
     high = 0.5 * (supplies.pump_on + supplies.pump_off)
@@ -44,29 +45,34 @@ def new_memory(
     pressure_b = _start_pressure_b(load, machine, supplies)
     pressure_a = (load + machine.area_b * pressure_b) / machine.area_a
     own = plant.CONVERTER + machine.converters
+    sides = [one.side for one in study.study.all_chambers]
+    further = [pressure_a if side is Side.PUSHING else pressure_b for side in sides[2:]]
     state: FloatArray = np.zeros(own + plant.LINE_STATES)
     state[plant.X], state[plant.OIL] = start, oil_at_pressure(high, machine)
     state[[plant.PRESSURE_A, own + plant.VALVE_END_A]] = pressure_a
     state[[plant.PRESSURE_B, own + plant.VALVE_END_B]] = pressure_b
-    signals = np.zeros(loop.SIGNALS + machine.converters)
-    signals[: loop.SIGNALS] = start, pressure_a, pressure_b, high, machine.low_pressure
-    outer = np.zeros(loop.OUTER_PLACES)
+    if further:  # in the place of the hoses' own states
+        state[own:] = 0.0
+        state[own : own + len(further)] = further
+    usual = (start, pressure_a, pressure_b, high, machine.low_pressure)
+    signals = np.array([*usual, *np.zeros(machine.converters), *further])
+    outer = np.zeros(OUTER_PLACES)
     if gains.k_i_pos > 0:
         least, largest = force_limits(pack_force(study))
         outer[INTEGRAL] = min(max(load, least), largest) / gains.k_p_vel
-    outer[[REFERENCE, POSITION_HEARD, loop.SENSED]] = start
+    outer[[REFERENCE, POSITION_HEARD, SENSED]] = start
     outer[LOAD_HEARD] = machine.area_a * pressure_a - machine.area_b * pressure_b
     start_learning(outer, ahead, load)
-    return loop.Memory(
+    return Memory(
         state=state,
         energy=np.zeros(plant.ENERGIES),
-        valves=shut_valves(SIDES * study.study.edge_rule.valves),
+        valves=shut_valves(len(sides) * study.study.edge_rule.valves),
         raw=np.stack([signals, signals]),
         filtered=signals.copy(),
         history=np.full(6, start),
         converters=np.zeros(machine.converters),
         outer=outer,
-        choice=np.zeros(2, np.int64),
+        choice=np.zeros(len(sides), np.int64),
     )
 
 

@@ -54,6 +54,8 @@ class CaseResult(Summarised):
         ``(T, 12 + K)`` of the last set, columns as in ``mptune.sim.closed_loop``.
     states
         How many valve states of one side there are of each kind, the closed one first.
+    converters
+        How many converter cylinders the machine has.
     """
 
     mass_kg: float
@@ -68,6 +70,7 @@ class CaseResult(Summarised):
     record: RunRecord
     traces: FloatArray
     states: tuple[int, ...] = ()
+    converters: int = 0
 
     @property
     def headline(self) -> str:

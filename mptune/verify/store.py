@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.datasets import write_dataset
+from mptune.params.chambers import LETTERS
 from mptune.params.gains import version
 from mptune.sim import closed_loop as loop
 
@@ -43,13 +44,19 @@ def to_dataset(result: VerifyResult) -> xr.Dataset:
         f"converter_{k + 1}": (loop.CONVERTER_1 + k, "m")
         for k in range(result.study.study.converters)
     }
+    machine = result.study.study
+    columns = loop.chamber_columns(machine.converters, len(machine.all_chambers))
+    further = {}
+    for place, letter in enumerate(LETTERS[2 : len(columns.states)].lower(), 2):
+        further[f"pressure_{letter}"] = (columns.pressures[place], "Pa")
+        further[f"state_{letter}"] = (columns.states[place], "1")
     traces = np.stack([case.traces for case in cases])
     time = result.study.study.controller.fast_sampling_period * np.arange(traces.shape[1])
     data = {
         name: xr.DataArray(
             traces[:, :, column].astype(np.float32), dims=("case", "time"), attrs={"units": unit}
         )
-        for name, (column, unit) in {**_COLUMNS, **converters}.items()
+        for name, (column, unit) in {**_COLUMNS, **converters, **further}.items()
     }
     coordinates = {
         "time": xr.DataArray(time, dims="time", attrs={"units": "s"}),

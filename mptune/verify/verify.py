@@ -12,6 +12,7 @@ from mptune.errors import Fault, InputError
 from mptune.force.cost import force_limits
 from mptune.force.search_space import space_of
 from mptune.params.pack import (
+    pack_chambers,
     pack_estimator,
     pack_feedforward,
     pack_force,
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
         ForceSettings,
         LoopGains,
         Machine,
+        MoreChambers,
         SignalSettings,
     )
     from mptune.params.section import Range
@@ -165,6 +167,7 @@ class Rig(NamedTuple):
     signals: SignalSettings
     settings: ForceSettings
     moves: Moves
+    more: MoreChambers | None  # where there are more chambers than two
 
 
 def rig_of(study: ResolvedStudy, case: Case, gains: Gains, feedforward: Feedforward) -> Rig:
@@ -181,6 +184,7 @@ def rig_of(study: ResolvedStudy, case: Case, gains: Gains, feedforward: Feedforw
         signals=pack_signals(controller, pack_estimator(study), pack_sensors(study.study.sensors)),
         settings=pack_force(study),
         moves=moves_of(study.study.manoeuvre),
+        more=pack_chambers(study),
     )
 
 
@@ -220,7 +224,8 @@ def run_rig(
     memory = new_memory(study, machine, rig.gains, start, rig.ahead)
     limits = force_limits(rig.settings)
     space = space_of(study)
-    trace = np.empty((ticks, loop.CONVERTER_1 + machine.converters))
+    chambers = len(study.study.all_chambers)
+    trace = np.empty((ticks, loop.chamber_columns(machine.converters, chambers).width))
     sets: list[SetFigures] = []
     broken: BrokenLimit | None = None
     for number in range(repeats):
@@ -231,12 +236,12 @@ def run_rig(
             machine,
             rig.table, rig.delays, rig.gains, rig.ahead, signals, rig.settings, space,
             moves.pieces,
-            start, begin, random, trace,
+            start, begin, random, trace, rig.more,
         )  # fmt: skip
         energy, switched = memory.energy - before, memory.valves.counters - counted
         record = record_of(
             trace, moves, energy, int(switched[0]), machine, signals.sample_time, limits, begin,
-            int(switched[2:].max()),
+            int(switched[2:].max()), rig.more,
         )  # fmt: skip
         finite = bool(np.isfinite(trace).all())
         if not finite:
@@ -260,6 +265,7 @@ def run_rig(
         record=record,
         traces=frozen(trace),
         states=tuple(map(len, states_by_kind(study.study.edge_rule))),
+        converters=machine.converters,
     )
 
 

@@ -68,8 +68,8 @@ def test_the_extremes_of_the_derived_ranges_are_those_of_the_whole_box(load_boom
     position = np.linspace(0, machine.cylinder.stroke, 31)
     modulus = np.linspace(*machine.oil.bulk_modulus, 31)[:, None]
     volume = machine.cylinder.area_b * (machine.cylinder.stroke - position)
-    volume += machine.cylinder.dead_volume_b + machine.hose.volume_b
-    compliance = machine.hose.volume_b / volume / machine.hose.bulk_modulus
+    volume += machine.cylinder.dead_volume_b + machine.hose.volume(machine.hose.length_b)
+    compliance = machine.hose.volume(machine.hose.length_b) / volume / machine.hose.bulk_modulus
     ratio = (1 / machine.oil.bulk_modulus_estimate + compliance) / (1 / modulus + compliance)
     with np.errstate(divide="ignore"):
         tau = -0.010 / np.log1p(-np.minimum(ratio, 1))
@@ -87,7 +87,11 @@ def test_each_side_s_time_constant_follows_its_own_volume(boom, position):
         (cylinder.area_a * position, cylinder.area_b * (cylinder.stroke - position)),
         strict=True,
     ):
-        hoses = hose.volume_a / (swept + cylinder.dead_volume_a + hose.volume_a) / 6e8
+        hoses = (
+            hose.volume(hose.length_a)
+            / (swept + cylinder.dead_volume_a + hose.volume(hose.length_a))
+            / 6e8
+        )
         ratio = (1 / 1.4e9 + hoses) / (1 / 8e8 + hoses)
         assert float(tau) == pytest.approx(-0.010 / np.log(1 - ratio), rel=1e-9)
 

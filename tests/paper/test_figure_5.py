@@ -48,7 +48,7 @@ def test_worst_plant_with_measurement_path_grows_as_its_encirclement_count_says(
         np.array([0.0215, 0.011]),
         np.array([0.0122, 0.0001]),
         np.array([0.0119, 0.0001]),
-        np.full(2, study.study.cylinder.share_a),
+        np.full(2, study.study.share_a),
     )
     time = np.linspace(0, 12, 2401)
     loops = FamilyLoops(plants, pack_gains(study.study.gains), path)

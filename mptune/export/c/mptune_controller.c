@@ -17,6 +17,9 @@ static uint8_t accepted(const mptune_inputs *inputs)
     for (uint32_t i = 0U; i < 4U; i++) {
         good &= mptune_within(chambers_and_supplies[i], p->pressure_least, p->pressure_largest);
     }
+    for (uint32_t i = 0U; i != MPTUNE_FURTHER; i++) {
+        good &= mptune_within(inputs->further[i], p->pressure_least, p->pressure_largest);
+    }
     for (uint32_t i = 0U; i != MPTUNE_CONVERTERS; i++) {
         good &= mptune_within(inputs->converter[i], -p->converter_largest, p->converter_largest);
     }
@@ -33,12 +36,25 @@ static void samples_of(const mptune_inputs *inputs, mptune_real sample[MPTUNE_SI
     for (uint32_t i = 0U; i != MPTUNE_CONVERTERS; i++) {
         sample[MPTUNE_CONVERTER + i] = inputs->converter[i];
     }
+    for (uint32_t i = 0U; i != MPTUNE_FURTHER; i++) {
+        sample[MPTUNE_FURTHER_CHAMBER + i] = inputs->further[i];
+    }
 }
 
 static void shut(mptune_state *state)
 {
-    state->choice[0] = 0U;
-    state->choice[1] = 0U;
+    for (uint32_t i = 0U; i < MPTUNE_CHAMBERS; i++) {
+        state->choice[i] = 0U;
+    }
+}
+
+static uint8_t spoilt(const mptune_state *state)
+{
+    uint8_t bad = (state->ready != READY) || (state->tick >= MPTUNE_TICKS);
+    for (uint32_t i = 0U; i < MPTUNE_CHAMBERS; i++) {
+        bad |= state->choice[i] >= MPTUNE_STATES;
+    }
+    return bad;
 }
 
 /* The loops and the force controller, once per T_S. */
@@ -58,9 +74,13 @@ static uint32_t control(mptune_state *state, const mptune_inputs *inputs)
 static void write_outputs(
     const mptune_state *state, uint8_t decided, uint32_t fault, mptune_outputs *outputs)
 {
-    for (uint32_t i = 0U; i < MPTUNE_VALVES; i++) {
-        outputs->valve[i] = mptune_valves[state->choice[0]][i];
-        outputs->valve[MPTUNE_VALVES + i] = mptune_valves[state->choice[1]][i];
+    for (uint32_t chamber = 0U; chamber < MPTUNE_CHAMBERS; chamber++) {
+        for (uint32_t i = 0U; i < MPTUNE_VALVES; i++) {
+            outputs->valve[MPTUNE_VALVES * chamber + i] = mptune_valves[state->choice[chamber]][i];
+        }
+    }
+    for (uint32_t i = 0U; i != MPTUNE_FURTHER; i++) {
+        outputs->state_further[i] = state->choice[MPTUNE_USUAL + i];
     }
     outputs->state_a = state->choice[0];
     outputs->state_b = state->choice[1];
@@ -97,7 +117,13 @@ uint32_t mptune_init(mptune_state *state, const mptune_inputs *first, mptune_rea
         state->integral = load_force / p->k_p_vel;
     }
     state->heard_position = first->position;
-    state->heard_load = p->area_a * first->pressure_a - p->area_b * first->pressure_b;
+    for (uint32_t i = 0U; i < MPTUNE_SIGNALS; i++) {
+        const uint32_t chamber = mptune_chamber_of_signal(i);
+        if (chamber < MPTUNE_CHAMBERS) {
+            const mptune_real own = mptune_chambers[chamber].area * state->filtered[i];
+            state->heard_load += (mptune_chambers[chamber].pulls != 0U) ? -own : own;
+        }
+    }
     state->last_velocity_reference = first->velocity_reference;
     mptune_start_learning(state, load_force);
     state->ready = READY;
@@ -111,8 +137,7 @@ uint32_t mptune_step(mptune_state *state, const mptune_inputs *inputs, mptune_ou
     if ((state == 0) || (inputs == 0) || (outputs == 0)) {
         return MPTUNE_FAULT_POINTER;
     }
-    if ((state->ready != READY) || (state->tick >= MPTUNE_TICKS)
-        || (state->choice[0] >= MPTUNE_STATES) || (state->choice[1] >= MPTUNE_STATES)) {
+    if (spoilt(state) != 0U) {
         fault = MPTUNE_FAULT_STATE;
     } else if (accepted(inputs) == 0U) {
         fault = MPTUNE_FAULT_INPUT;

@@ -5,7 +5,7 @@
  * mptune_step    every T_S,fast (mptune_study.sample_time, in s). It samples and filters at each
  *                call; at the first and at every MPTUNE_TICKS-th call after it, that is once per
  *                T_S, it also runs the outer loops, the stop logic and the force controller, whose
- *                choice among both sides' valve states is then held.
+ *                choice among all chambers' valve states is then held.
  *
  * All values are in SI units. State lives in one mptune_state that the caller owns; the study's
  * numbers are constant data in mptune_parameters.c. Nothing is allocated, nothing recurses, every
@@ -49,13 +49,16 @@ typedef struct {
     mptune_real pressure_high;          /* Pa, raw, highest line */
     mptune_real pressure_low;           /* Pa, raw, lowest line */
     mptune_real converter[MPTUNE_PLACES]; /* m, raw, from the centre, positive on filling */
+    mptune_real further[MPTUNE_FURTHER_PLACES]; /* Pa, raw, chambers behind A and B */
 } mptune_inputs;
 
 /* What is to be done until the next step. */
 typedef struct {
-    uint8_t valve[2U * MPTUNE_VALVES]; /* 1 open; side A first, line by line, lowest first */
+    uint8_t valve[MPTUNE_CHAMBERS * MPTUNE_VALVES]; /* 1 open; chamber by chamber, A first, and
+                                          line by line, lowest first */
     mptune_choice state_a;             /* below MPTUNE_STATES, row of mptune_valves */
     mptune_choice state_b;             /* the same */
+    mptune_choice state_further[MPTUNE_FURTHER_PLACES]; /* of the chambers behind them */
     uint8_t stopped;                   /* 1 while the stop logic holds all valves shut */
     uint8_t decided;                   /* 1 in a step that ran the loops, once per T_S */
     uint32_t fault;                    /* sum of MPTUNE_FAULT_*, as returned */
@@ -87,7 +90,7 @@ typedef struct {
     uint32_t ready;
     uint32_t tick; /* steps since the last decision */
     uint8_t stopped;
-    mptune_choice choice[2]; /* valve states of A and B */
+    mptune_choice choice[MPTUNE_CHAMBERS]; /* valve states, A's first */
 } mptune_state;
 
 /*

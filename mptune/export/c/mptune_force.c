@@ -19,32 +19,30 @@ static mptune_real orifice(mptune_real difference)
     return root;
 }
 
-mptune_real mptune_stiffness(uint32_t side, mptune_real position)
+mptune_real mptune_stiffness(uint32_t chamber, mptune_real position)
 {
     const mptune_parameters *const p = &mptune_study;
-    mptune_real volume = p->area_a * position + p->dead_a;
-    mptune_real hose = p->hose_a;
-    if (side == MPTUNE_SIDE_B) {
-        volume = p->area_b * (p->stroke - position) + p->dead_b;
-        hose = p->hose_b;
-    }
+    const mptune_size *const size = &mptune_chambers[chamber];
+    const mptune_real away = (size->pulls != 0U) ? (p->stroke - position) : position;
+    const mptune_real volume = size->area * away + size->dead;
     const mptune_real modulus =
-        R(1) / (R(1) / p->oil + hose / volume * (R(1) / p->hose)); /* Eq. 4 */
+        R(1) / (R(1) / p->oil + size->hose / volume * (R(1) / p->hose)); /* Eq. 4 */
     return modulus / volume;
 }
 
 mptune_chamber mptune_chamber_of(
-    uint32_t side, mptune_real pressure, mptune_real position, mptune_real velocity,
+    uint32_t chamber, mptune_real pressure, mptune_real position, mptune_real velocity,
     mptune_real period)
 {
-    const mptune_parameters *const p = &mptune_study;
+    const mptune_size *const size = &mptune_chambers[chamber];
     mptune_chamber one;
     one.pressure = pressure;
-    one.taken = (side == MPTUNE_SIDE_A) ? (p->area_a * velocity) : (-p->area_b * velocity);
+    one.taken = (size->pulls != 0U) ? (-size->area * velocity) : (size->area * velocity);
     one.period = period;
+    one.scale = size->flow_coefficient;
     for (uint32_t k = 0U; k <= MPTUNE_STEPS; k++) {
         one.path[k] =
-            mptune_stiffness(side, position + velocity * period * R(k) / R(MPTUNE_STEPS));
+            mptune_stiffness(chamber, position + velocity * period * R(k) / R(MPTUNE_STEPS));
     }
     return one;
 }
@@ -60,11 +58,10 @@ static mptune_real inflow(
     return flow;
 }
 
-/* The pressure at the end of the look ahead with a valve state held, Pa. */
-static mptune_real predict(
+mptune_real mptune_predict(
     const mptune_chamber *one, const mptune_port *port, const mptune_real supplies[MPTUNE_LINES])
 {
-    const mptune_real scale = mptune_study.flow_coefficient;
+    const mptune_real scale = one->scale;
     const mptune_real step = one->period / R(MPTUNE_STEPS);
     mptune_real pressure = one->pressure;
     for (uint32_t k = 0U; k < MPTUNE_STEPS; k++) {
@@ -123,7 +120,7 @@ static void side_costs(
     const mptune_parameters *const p = &mptune_study;
     for (uint32_t i = 0U; i < MPTUNE_STATES; i++) {
         const mptune_port *const port = &mptune_ports[i];
-        const mptune_real after = predict(one, port, supplies);
+        const mptune_real after = mptune_predict(one, port, supplies);
         mptune_real loss = R(0);
         mptune_real conversion = R(0);
         if (port->first_count > R(0)) {
@@ -193,11 +190,14 @@ uint8_t mptune_decide(mptune_state *state, mptune_real velocity)
         const mptune_real base = (line->rests != 0U) ? state->filtered[MPTUNE_LOW] : line->base;
         supplies[i] = base + line->share * (state->filtered[MPTUNE_HIGH] - base);
     }
+    if (MPTUNE_CHAMBERS > MPTUNE_USUAL) {
+        return mptune_decide_of_chambers(state, velocity, supplies);
+    }
     if (lag > R(0)) { /* carried through the valve delay with the present states */
-        const mptune_chamber a = mptune_chamber_of(MPTUNE_SIDE_A, pressure_a, position, velocity, lag);
-        const mptune_chamber b = mptune_chamber_of(MPTUNE_SIDE_B, pressure_b, position, velocity, lag);
-        pressure_a = predict(&a, &mptune_ports[state->choice[0]], supplies);
-        pressure_b = predict(&b, &mptune_ports[state->choice[1]], supplies);
+        const mptune_chamber a = mptune_chamber_of(MPTUNE_FIRST, pressure_a, position, velocity, lag);
+        const mptune_chamber b = mptune_chamber_of(MPTUNE_SECOND, pressure_b, position, velocity, lag);
+        pressure_a = mptune_predict(&a, &mptune_ports[state->choice[0]], supplies);
+        pressure_b = mptune_predict(&b, &mptune_ports[state->choice[1]], supplies);
         position += velocity * lag;
     }
     if (beyond_the_paper() != 0U) {
@@ -209,9 +209,9 @@ uint8_t mptune_decide(mptune_state *state, mptune_real velocity)
     mptune_real force_b[MPTUNE_STATES];
     mptune_real cost_b[MPTUNE_STATES];
     const mptune_chamber a =
-        mptune_chamber_of(MPTUNE_SIDE_A, pressure_a, position, velocity, p->sampling_period);
+        mptune_chamber_of(MPTUNE_FIRST, pressure_a, position, velocity, p->sampling_period);
     const mptune_chamber b =
-        mptune_chamber_of(MPTUNE_SIDE_B, pressure_b, position, velocity, p->sampling_period);
+        mptune_chamber_of(MPTUNE_SECOND, pressure_b, position, velocity, p->sampling_period);
     side_costs(&a, p->area_a, state->choice[0], supplies, state->converters, force_a, cost_a);
     side_costs(&b, p->area_b, state->choice[1], supplies, state->converters, force_b, cost_b);
     return cheapest(state->force, force_a, cost_a, force_b, cost_b, state->choice);

@@ -1,7 +1,7 @@
 /* The decision beyond the paper's own: Huber's count of the force error, losses along the path, a
  * common-mode term, two periods ahead, and settled pressures in place of those after T_S. The rows
  * of two periods take 1582 numbers on the stack for six candidates of 28 states. */
-#include "mptune_parts.h"
+#include "mptune_rows.h"
 
 #define SIDES 2U
 #define PLACES ((MPTUNE_CANDIDATES < MPTUNE_STATES) ? MPTUNE_CANDIDATES : MPTUNE_STATES)
@@ -9,26 +9,8 @@
 #define LIST (MPTUNE_CANDIDATES + 1U) /* one place more, to move the dearest out to */
 #define HALVINGS 32U /* a bracket of some 10 MPa shrinks to some mPa */
 
-/* One side's states, looked at from one pressure. */
-typedef struct {
-    mptune_real force[MPTUNE_STATES];    /* N */
-    mptune_real cost[MPTUNE_STATES];     /* N, beside the force error */
-    mptune_real common[MPTUNE_STATES];   /* N, half of the common-mode term, signed */
-    mptune_real pressure[MPTUNE_STATES]; /* Pa, that it leads to */
-    mptune_real least;                   /* N, of the costs */
-} row;
-
-/* What all rows of one decision share. */
-typedef struct {
-    const mptune_real *supplies;
-    mptune_real cube[MPTUNE_LINES]; /* m^3, cubed converter positions; 0 without a converter */
-    mptune_real middle;                /* Pa, mid-supply pressure */
-    mptune_real steep;                 /* 3/(2 sqrt(p_tr)) */
-    mptune_real bend;                  /* 1/(2 p_tr^1.5) */
-} shared;
-
 /* The signed root of a pressure difference, Pa^0.5, smooth about zero, without a division. */
-static mptune_real smooth_root(const shared *all, mptune_real difference)
+static mptune_real smooth_root(const mptune_shared *all, mptune_real difference)
 {
     const mptune_real size = MPTUNE_ABS(difference);
     mptune_real root = difference * (all->steep - all->bend * size);
@@ -43,11 +25,11 @@ static mptune_real smooth_root(const shared *all, mptune_real difference)
 
 /* Pressure and cost of one state after T_S. */
 static void look_ahead(
-    const shared *all, const mptune_chamber *one, const mptune_port *port, mptune_real *pressure,
+    const mptune_shared *all, const mptune_chamber *one, const mptune_port *port, mptune_real *pressure,
     mptune_real *cost)
 {
     const mptune_parameters *const p = &mptune_study;
-    const mptune_real scale = p->flow_coefficient;
+    const mptune_real scale = one->scale;
     const mptune_real step = one->period / R(MPTUNE_STEPS);
     const mptune_real high_1 = all->supplies[port->first];
     const mptune_real high_2 = all->supplies[port->second];
@@ -96,11 +78,11 @@ static void look_ahead(
 
 /* Pressure and cost of one state once settled: the flow is then what the piston takes. */
 static void settle(
-    const shared *all, const mptune_chamber *one, mptune_real stiff, const mptune_port *port,
+    const mptune_shared *all, const mptune_chamber *one, mptune_real stiff, const mptune_port *port,
     mptune_real *pressure, mptune_real *cost)
 {
     const mptune_parameters *const p = &mptune_study;
-    const mptune_real scale = p->flow_coefficient;
+    const mptune_real scale = one->scale;
     const mptune_real high_1 = all->supplies[port->first];
     const mptune_real high_2 = all->supplies[port->second];
     const mptune_real n_1 = port->first_count;
@@ -137,18 +119,17 @@ static void settle(
     *cost = total;
 }
 
-/* Look at every state of one side from a pressure. */
-static void fill(
-    const shared *all, uint32_t side, mptune_real pressure, mptune_real position,
-    mptune_real velocity, uint32_t present, row *one)
+void mptune_fill(
+    const mptune_shared *all, uint32_t chamber, mptune_real pressure, mptune_real position,
+    mptune_real velocity, uint32_t present, mptune_row *one)
 {
     const mptune_parameters *const p = &mptune_study;
-    const mptune_real area = (side == MPTUNE_SIDE_A) ? p->area_a : p->area_b;
+    const mptune_real area = mptune_chambers[chamber].area;
     const mptune_real half = R(0.5) * p->weight_common_mode;
     const uint8_t steady = (p->steady_state > R(0)) ? 1U : 0U;
     const mptune_chamber here =
-        mptune_chamber_of(side, pressure, position, velocity, p->sampling_period);
-    const mptune_real stiff = mptune_stiffness(side, position);
+        mptune_chamber_of(chamber, pressure, position, velocity, p->sampling_period);
+    const mptune_real stiff = mptune_stiffness(chamber, position);
     one->least = MPTUNE_BEYOND;
     for (uint32_t i = 0U; i < MPTUNE_STATES; i++) {
         const mptune_port *const port = &mptune_ports[i];
@@ -176,22 +157,28 @@ static void fill(
     }
 }
 
-/* Eq. 7 of one pair, with Huber's count and the common-mode term. */
-static mptune_real pair_cost(
-    mptune_real wanted, const row *a, uint32_t i, const row *b, uint32_t j)
+mptune_real mptune_counted(mptune_real error)
 {
     const mptune_real width = mptune_study.error_width;
-    const mptune_real size = MPTUNE_ABS(wanted - (a->force[i] - b->force[j]));
+    const mptune_real size = MPTUNE_ABS(error);
     mptune_real counted = size - R(0.5) * width;
     if (size < width) {
         counted = size * size * (R(0.5) / width);
     }
+    return counted;
+}
+
+/* Eq. 7 of one pair, with Huber's count and the common-mode term. */
+static mptune_real pair_cost(
+    mptune_real wanted, const mptune_row *a, uint32_t i, const mptune_row *b, uint32_t j)
+{
+    const mptune_real counted = mptune_counted(wanted - (a->force[i] - b->force[j]));
     return counted + MPTUNE_ABS(a->common[i] + b->common[j]) + a->cost[i] + b->cost[j];
 }
 
 /* Fill in the cheapest pairs, cheapest first and of equal ones the first; return how many. */
 static uint32_t cheapest_pairs(
-    mptune_real wanted, const row *a, const row *b, mptune_real costs[LIST],
+    mptune_real wanted, const mptune_row *a, const mptune_row *b, mptune_real costs[LIST],
     uint32_t pairs[LIST])
 {
     mptune_real worst = MPTUNE_BEYOND; /* of a full list, its dearest */
@@ -220,7 +207,7 @@ static uint32_t cheapest_pairs(
 
 /* The least cost of all pairs; pairs that with what went before reach the best may be skipped. */
 static mptune_real least_pair(
-    mptune_real wanted, const row *a, const row *b, mptune_real before, mptune_real best)
+    mptune_real wanted, const mptune_row *a, const mptune_row *b, mptune_real before, mptune_real best)
 {
     mptune_real least = MPTUNE_BEYOND;
     for (uint32_t i = 0U; i < MPTUNE_STATES; i++) {
@@ -238,11 +225,11 @@ static mptune_real least_pair(
     return least;
 }
 
-static shared shared_of(
+mptune_shared mptune_shared_of(
     const mptune_real supplies[MPTUNE_LINES], const mptune_real converters[MPTUNE_PLACES])
 {
     const mptune_real tr = mptune_study.transition_pressure;
-    shared all;
+    mptune_shared all;
     all.supplies = supplies;
     for (uint32_t i = 0U; i < MPTUNE_LINES; i++) {
         const mptune_real place = mptune_converter_place(i, converters);
@@ -259,13 +246,13 @@ uint8_t mptune_best_ahead(
     const mptune_real converters[MPTUNE_PLACES], mptune_choice choice[2])
 {
     const mptune_parameters *const p = &mptune_study;
-    const shared all = shared_of(supplies, converters);
-    row rows[ROWS]; /* both sides now, then one for each state met in the second period */
+    const mptune_shared all = mptune_shared_of(supplies, converters);
+    mptune_row rows[ROWS]; /* both sides now, then one for each state met in the second period */
     mptune_real costs[LIST];
     uint32_t pairs[LIST] = {0U};
-    uint32_t where[SIDES][MPTUNE_STATES] = {{0U}}; /* 0 where not met: row 0 is none of these */
-    fill(&all, MPTUNE_SIDE_A, now->pressure_a, now->position, now->velocity, choice[0], &rows[0]);
-    fill(&all, MPTUNE_SIDE_B, now->pressure_b, now->position, now->velocity, choice[1], &rows[1]);
+    uint32_t where[SIDES][MPTUNE_STATES] = {{0U}}; /* 0 where not met: mptune_row 0 is none of these */
+    mptune_fill(&all, MPTUNE_FIRST, now->pressure_a, now->position, now->velocity, choice[0], &rows[0]);
+    mptune_fill(&all, MPTUNE_SECOND, now->pressure_b, now->position, now->velocity, choice[1], &rows[1]);
     const uint32_t found = cheapest_pairs(now->force, &rows[0], &rows[1], costs, pairs);
     uint32_t chosen = pairs[0];
     if (p->candidates > R(0)) {
@@ -277,14 +264,14 @@ uint8_t mptune_best_ahead(
             for (uint32_t side = 0U; side < SIDES; side++) {
                 const uint32_t one = states[side];
                 if (where[side][one] == 0U) {
-                    fill(&all, side, rows[side].pressure[one], position, now->velocity, one,
+                    mptune_fill(&all, side, rows[side].pressure[one], position, now->velocity, one,
                          &rows[met]);
                     where[side][one] = met;
                     met++;
                 }
             }
-            const row *const a = &rows[where[MPTUNE_SIDE_A][states[0]]];
-            const row *const b = &rows[where[MPTUNE_SIDE_B][states[1]]];
+            const mptune_row *const a = &rows[where[MPTUNE_FIRST][states[0]]];
+            const mptune_row *const b = &rows[where[MPTUNE_SECOND][states[1]]];
             if (costs[k] + (a->least + b->least) >= best) {
                 continue; /* a bound; the first period alone would be none */
             }

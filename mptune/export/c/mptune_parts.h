@@ -30,19 +30,22 @@ double fabs(double value);
 #define MPTUNE_HIGH 3U
 #define MPTUNE_LOW 4U
 #define MPTUNE_CONVERTER 5U
+#define MPTUNE_FURTHER_CHAMBER (MPTUNE_CONVERTER + MPTUNE_CONVERTERS) /* and what follows it */
 
 #define MPTUNE_STEPS 4U /* Heun steps in one look ahead */
 #define MPTUNE_OUT_OF_RANGE R(1e6) /* N, fixed penalty of a pressure outside its limits */
 
-#define MPTUNE_SIDE_A 0U
-#define MPTUNE_SIDE_B 1U
+#define MPTUNE_FIRST 0U /* of the chambers: A pushes, B pulls */
+#define MPTUNE_SECOND 1U
+#define MPTUNE_USUAL 2U /* chambers whose signals stand before the converters' */
 
-/* What is the same for every valve state of one side. */
+/* What is the same for every valve state of one chamber. */
 typedef struct {
     mptune_real pressure;                /* Pa, now */
     mptune_real taken;                   /* m^3/s, by the piston's motion */
     mptune_real path[MPTUNE_STEPS + 1U]; /* Pa/m^3, stiffness at the ends of the steps */
     mptune_real period;                  /* s, to look ahead */
+    mptune_real scale;                   /* m^3/(s Pa^0.5), K_v of its valves */
 } mptune_chamber;
 
 /* What a decision starts from. */
@@ -84,11 +87,18 @@ uint8_t mptune_decide(mptune_state *state, mptune_real velocity);
 /* The penalty of a pressure outside its limits, N. */
 mptune_real mptune_beyond_limits(mptune_real after);
 
+/* The chamber whose pressure a signal is; MPTUNE_CHAMBERS for none. */
+uint32_t mptune_chamber_of_signal(uint32_t signal);
+
 /* Estimated B_eff over volume of one chamber, Pa/m^3. */
-mptune_real mptune_stiffness(uint32_t side, mptune_real position);
+mptune_real mptune_stiffness(uint32_t chamber, mptune_real position);
 mptune_chamber mptune_chamber_of(
-    uint32_t side, mptune_real pressure, mptune_real position, mptune_real velocity,
+    uint32_t chamber, mptune_real pressure, mptune_real position, mptune_real velocity,
     mptune_real period);
+
+/* The pressure at the end of the look ahead with a valve state held, Pa. */
+mptune_real mptune_predict(
+    const mptune_chamber *one, const mptune_port *port, const mptune_real supplies[MPTUNE_LINES]);
 
 /* Where the converter stands that makes a line, m; 0 where none does. */
 mptune_real mptune_converter_place(uint32_t line, const mptune_real converters[MPTUNE_PLACES]);
@@ -97,5 +107,9 @@ mptune_real mptune_converter_place(uint32_t line, const mptune_real converters[M
 uint8_t mptune_best_ahead(
     const mptune_situation *now, const mptune_real supplies[MPTUNE_LINES],
     const mptune_real converters[MPTUNE_PLACES], mptune_choice choice[2]);
+
+/* The same for more than two chambers, from the present pressures on. */
+uint8_t mptune_decide_of_chambers(
+    mptune_state *state, mptune_real velocity, const mptune_real supplies[MPTUNE_LINES]);
 
 #endif

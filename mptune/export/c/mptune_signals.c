@@ -31,12 +31,23 @@ static mptune_real backlash(mptune_real held, mptune_real value, mptune_real wid
     return mptune_min(mptune_max(held, value - half), value + half);
 }
 
+uint32_t mptune_chamber_of_signal(uint32_t signal)
+{
+    uint32_t chamber = MPTUNE_CHAMBERS;
+    if ((signal == MPTUNE_CHAMBER_A) || (signal == MPTUNE_CHAMBER_B)) {
+        chamber = signal - MPTUNE_CHAMBER_A;
+    } else if (signal >= MPTUNE_FURTHER_CHAMBER) {
+        chamber = signal - MPTUNE_FURTHER_CHAMBER + MPTUNE_USUAL;
+    }
+    return chamber;
+}
+
 static mptune_real pole_of(uint32_t signal)
 {
     mptune_real pole = mptune_study.supply_pole;
     if (signal == MPTUNE_POSITION) {
         pole = mptune_study.position_pole;
-    } else if (signal <= MPTUNE_CHAMBER_B) {
+    } else if (mptune_chamber_of_signal(signal) < MPTUNE_CHAMBERS) {
         pole = mptune_study.pressure_pole;
     }
     return pole;
@@ -60,12 +71,12 @@ void mptune_measure(
         state->raw[1][i] = state->raw[0][i];
         state->raw[0][i] = sample[i];
         state->filtered[i] = pole * state->filtered[i] + (R(1) - pole) * middle;
+        const uint32_t chamber = mptune_chamber_of_signal(i);
         if (i == MPTUNE_POSITION) {
             *position = middle;
-        } else if (i == MPTUNE_CHAMBER_A) {
-            *force = mptune_study.area_a * middle;
-        } else if (i == MPTUNE_CHAMBER_B) {
-            *force -= mptune_study.area_b * middle;
+        } else if (chamber < MPTUNE_CHAMBERS) {
+            const mptune_real own = mptune_chambers[chamber].area * middle;
+            *force += (mptune_chambers[chamber].pulls != 0U) ? -own : own;
         }
     }
     for (uint32_t i = 0U; i != MPTUNE_CONVERTERS; i++) {

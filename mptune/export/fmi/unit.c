@@ -17,8 +17,10 @@ static mptune_real *input_at(mptune_inputs *inputs, unsigned int reference)
     case 6U: place = &inputs->pressure_high; break;
     case 7U: place = &inputs->pressure_low; break;
     default:
-        if (reference < UNIT_LOAD_FORCE) {
+        if (reference < UNIT_FURTHER) {
             place = &inputs->converter[reference - UNIT_CONVERTER];
+        } else if (reference < UNIT_LOAD_FORCE) {
+            place = &inputs->further[reference - UNIT_FURTHER];
         }
         break;
     }
@@ -62,7 +64,12 @@ int unit_get_integer(const unit_memory *memory, unsigned int reference, int *val
     case UNIT_STATE_A: *value = memory->outputs.state_a; break;
     case UNIT_STATE_B: *value = memory->outputs.state_b; break;
     case UNIT_FAULT: *value = (int)memory->outputs.fault; break;
-    default: return 0;
+    default:
+        if ((reference <= UNIT_STATE_B) || (reference >= UNIT_FAULT)) {
+            return 0;
+        }
+        *value = memory->outputs.state_further[reference - UNIT_STATE_B - 1U];
+        break;
     }
     return 1;
 }

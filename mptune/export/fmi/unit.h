@@ -9,15 +9,16 @@
 
 /* Value references, as in modelDescription.xml */
 #define UNIT_CONVERTER 8U /* below it: the scalar members of mptune_inputs, in order */
-#define UNIT_LOAD_FORCE (UNIT_CONVERTER + MPTUNE_CONVERTERS)
+#define UNIT_FURTHER (UNIT_CONVERTER + MPTUNE_CONVERTERS) /* chambers behind A and B */
+#define UNIT_LOAD_FORCE (UNIT_FURTHER + MPTUNE_FURTHER)
 #define UNIT_FORCE_REFERENCE (UNIT_LOAD_FORCE + 1U)
 #define UNIT_STATE_A (UNIT_LOAD_FORCE + 2U)
 #define UNIT_STATE_B (UNIT_LOAD_FORCE + 3U)
-#define UNIT_FAULT (UNIT_LOAD_FORCE + 4U)
-#define UNIT_STOPPED (UNIT_LOAD_FORCE + 5U)
-#define UNIT_DECIDED (UNIT_LOAD_FORCE + 6U)
-#define UNIT_VALVE (UNIT_LOAD_FORCE + 7U) /* to UNIT_TIME - 1: all valves, side A first */
-#define UNIT_TIME (UNIT_VALVE + 2U * MPTUNE_VALVES) /* the independent variable of FMI 3.0 */
+#define UNIT_FAULT (UNIT_STATE_A + MPTUNE_CHAMBERS)
+#define UNIT_STOPPED (UNIT_FAULT + 1U)
+#define UNIT_DECIDED (UNIT_FAULT + 2U)
+#define UNIT_VALVE (UNIT_FAULT + 3U) /* to UNIT_TIME - 1: all valves, chamber A first */
+#define UNIT_TIME (UNIT_VALVE + MPTUNE_CHAMBERS * MPTUNE_VALVES) /* the independent variable of FMI 3.0 */
 
 /* All that changes: a copy of it is the state of the unit. */
 typedef struct {

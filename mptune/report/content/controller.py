@@ -76,9 +76,11 @@ def controller(results: Results) -> Chapter:
 def _search_space(study: Study) -> Prose:
     states = len(valve_states(study.edge_rule))
     lines, valves = len(study.edge_rule.sizes), study.edge_rule.valves
+    chambers = len(study.all_chambers)
     return Prose(
-        f"The force controller chooses among {states} states of each side, made by {valves} valves "
-        f"to {lines} lines: {states**2} combinations in each decision (Eq. 6)."
+        f"The force controller chooses among {states} states of each of {chambers} chambers, made "
+        f"by {valves} valves to {lines} lines: {states**chambers} combinations in each decision "
+        "(Eq. 6)."
     )
 
 

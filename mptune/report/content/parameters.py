@@ -6,6 +6,7 @@ import math
 from typing import TYPE_CHECKING
 
 from mptune.loops.family import derived_time_constants
+from mptune.params.chambers import LETTERS
 from mptune.params.paper import LEDGER
 from mptune.params.requirements import Requirements
 from mptune.params.section import Section
@@ -63,6 +64,8 @@ def _sections(study: ResolvedStudy) -> Iterator[Block]:
         if isinstance(part, Requirements):
             rows = [*_ratios(part, study), *rows, *_bounds(part, study)]
         yield from Tabular(name, columns, rows).titled()
+    if study.study.chambers:
+        yield from _chambers(study).titled()
     yield from _moves(study).titled()
 
 
@@ -87,6 +90,25 @@ def _bounds(asked: Requirements, study: ResolvedStudy) -> Iterator[Row]:
             source = study.study.source_of(f"requirements.bounds.{key}") or "this study"
             text = shown(pair, unit, ranged=True)
             yield [symbol(mark), meaning, text, Cell(source, "small")]
+
+
+def _chambers(study: ResolvedStudy) -> Tabular:
+    """Return the chambers, one by one."""
+    rows: list[Row] = [
+        [
+            letter,
+            one.side.value,
+            shown(one.area, "m^2"),
+            shown(one.dead_volume, "m^3"),
+            shown(one.hose_length, "m"),
+            number(one.valves),
+        ]
+        for letter, one in zip(LETTERS, study.study.chambers, strict=False)
+    ]
+    columns = left("Chamber", "Side") + right(
+        "Area", "Dead volume", "Hose", "Valves, in those of the edges"
+    )
+    return Tabular("chambers", columns, rows, legend=study.study.source_of("chambers"))
 
 
 def _moves(study: ResolvedStudy) -> Tabular:

@@ -23,7 +23,8 @@ def test_a_neutral_draw_is_the_machine_that_verification_builds(boom):
     drawn, made = rig(boom)
     assert drawn == case
     wanted = rig_of(boom, case, own.gains, own.feedforward)
-    for a, b in zip(made, wanted, strict=True):
+    assert made.more is wanted.more is None  # the boom has two chambers
+    for a, b in zip(made[:-1], wanted[:-1], strict=True):
         assert all(np.array_equal(x, y) for x, y in zip(a, b, strict=True))
 
 

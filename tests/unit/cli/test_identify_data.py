@@ -14,7 +14,7 @@ from mptune.identify.fit import model
 @pytest.fixture
 def response(tmp_path, boom):
     omega = np.geomspace(2, 300, 60)
-    value = model(omega, np.array([6e-3, 11e-3, 12e-3]), boom.study.cylinder.share_a)
+    value = model(omega, np.array([6e-3, 11e-3, 12e-3]), boom.study.share_a)
     rng = np.random.default_rng(1)
     value *= 1 + 0.001 * (rng.standard_normal(60) + 1j * rng.standard_normal(60))
     table = np.stack([omega, 20 * np.log10(abs(value)), np.degrees(np.angle(value))], axis=1)

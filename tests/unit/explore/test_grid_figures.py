@@ -107,7 +107,8 @@ def test_a_move_is_one_of_the_machine(load_boom):
     move = simulated_move(study, 24500.0)
     assert move.time[-1] == pytest.approx(2.25, abs=0.01)
     assert 0.1e-3 < np.abs(move.error).max() < 3e-3
-    assert np.all((move.state_a >= 0) & (move.state_a < 28))
+    assert len(move.states) == 2
+    assert all(np.all((one >= 0) & (one < 28)) for one in move.states)
     assert move.words == simulated_move(study, 24500.0).words
 
 

@@ -99,7 +99,7 @@ def test_estimator_and_feed_forward_are_the_same_too(estimated_study, prepared, 
     same_decisions(found, recording)
 
 
-@pytest.mark.parametrize("name", ["three-pressure", "digital-valve", "mixed"])
+@pytest.mark.parametrize("name", ["three-pressure", "digital-valve", "mixed", "four-chamber"])
 def test_machines_of_other_sizes_are_the_same_to_the_last_bit(load_shape, name, tmp_path):
     study = load_shape(name, MOVES)
     target.write_sources(study, tmp_path / "c")
@@ -108,7 +108,10 @@ def test_machines_of_other_sizes_are_the_same_to_the_last_bit(load_shape, name, 
     program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *flags, extra=[REPLAY])
     found, _ = replay(program, recording, tmp_path)
     same_decisions(found, recording)
-    assert len(np.unique(recording.decisions[:, rec.STATE_A])) > 5
+    states = recording.decisions[:, rec.STATE_A : rec.STATE_A + len(study.study.all_chambers)]
+    further = states.shape[1] - 2
+    assert (found[:, found.shape[1] - further :] == states[:, 2:]).all()
+    assert len(np.unique(states, axis=0)) > 5
 
 
 @pytest.mark.parametrize("name", DECISIONS)

@@ -15,7 +15,7 @@ from fmpy.fmi1 import FMICallException
 from fmpy.validation import validate_fmu
 from mockup import INPUTS, Unit
 from recording import drive, first_case, record_case, rig_of
-from target import any_compiler, gains_of, zig
+from target import any_compiler, gains_of, renumbered, zig
 
 from mptune.errors import MptuneError
 from mptune.export.fmu import build_unit, write_units
@@ -70,6 +70,21 @@ def test_a_unit_decides_as_mptune_does_with_every_option(load_boom, tmp_path):
     recording = record_case(study, first_case(study, 24500.0))
     for path in paths:
         unit = Unit(path, STEP)
+        trace = drive(rig_of(study, first_case(study, 24500.0)), unit)
+        unit.close()
+        assert (trace == recording.trace).all()
+
+
+def test_a_unit_of_four_chambers_decides_as_mptune_does(load_shape, controller, tmp_path):
+    move = 'manoeuvre=[{distance="20 mm", duration="0.5 s", rest="0.2 s"}]'
+    study = load_shape("four-chamber", move)
+    any_compiler()
+    recording = record_case(study, first_case(study, 24500.0))
+    for path in write_units(renumbered(controller, study), tmp_path):
+        assert validate_fmu(str(path)) == []
+        unit = Unit(path, STEP)
+        assert unit.inputs[-2:] == ["pressure_c", "pressure_d"]
+        assert unit.states == [f"state_{one}" for one in "abcd"]
         trace = drive(rig_of(study, first_case(study, 24500.0)), unit)
         unit.close()
         assert (trace == recording.trace).all()

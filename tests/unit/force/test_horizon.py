@@ -6,7 +6,7 @@ from deciding import chosen, costs_ahead, first_costs, states
 
 from mptune.force.cost import side_costs
 from mptune.force.dynamic import look_ahead
-from mptune.force.horizon import _row, cheapest_pairs, counted, least_pair
+from mptune.force.horizon import cheapest_pairs, counted, least_pair, row_of
 from mptune.force.ports import COMMON, COST, FORCE, PRESSURE, ROW, ports_of
 from mptune.force.search_space import search_space
 from mptune.force.select import decide
@@ -43,7 +43,7 @@ def plain(case, space, settings):
 
     def row(side, pressure, position, present):
         found = np.empty((ROW, STATES))
-        _row(side, pressure, position, v, present, ports, space, settings, found)
+        row_of(side, pressure, position, v, present, ports, space, settings, found)
         return found
 
     def costs(a, b):

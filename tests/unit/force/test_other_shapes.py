@@ -34,7 +34,9 @@ def test_decisions_are_the_cheapest_by_the_plain_law(load_shape, name, penalty):
         assert costs[a, b] == pytest.approx(costs.min(), rel=1e-9, abs=1e-6)
 
 
-@pytest.mark.parametrize("name", ["three-pressure", "digital-valve", "mixed", "following"])
+@pytest.mark.parametrize(
+    "name", ["three-pressure", "digital-valve", "mixed", "following", "four-chamber"]
+)
 @pytest.mark.compiled
 def test_energies_close_and_the_piston_follows(load_shape, name):
     study = load_shape(name, "verification.repeats=1", "verification.seeds=[1]")
@@ -42,6 +44,10 @@ def test_energies_close_and_the_piston_follows(load_shape, name):
     record = case.record
     print(f"{name}: {case.headline}, residual {record.energies.residual:.1e}, {case.broken}")
     assert record.energies.residual < ENERGY_LEFT
+    chambers = study.study.all_chambers
+    signs = [1 if one.side == "pushing" else -1 for one in chambers]
+    areas = np.array([one.area for one in chambers]) * signs
+    np.testing.assert_allclose(record.pressures @ areas, record.force, rtol=1e-9, atol=1e-6)
     assert np.abs(record.error).max() < 20e-3
     assert ("converter_peak_mm" in record.own_figures) == (name == "mixed")
 

@@ -55,10 +55,10 @@ def exact(study, side, pressure, valves, velocity, span):
     cylinder, hose = study.cylinder, study.hose
     x = 0.15
     if side == 0:
-        hose_volume, into = hose.volume_a, -cylinder.area_a * velocity
+        hose_volume, into = hose.volume(hose.length_a), -cylinder.area_a * velocity
         volume = cylinder.area_a * x + cylinder.dead_volume_a + hose_volume
     else:
-        hose_volume, into = hose.volume_b, cylinder.area_b * velocity
+        hose_volume, into = hose.volume(hose.length_b), cylinder.area_b * velocity
         volume = cylinder.area_b * (cylinder.stroke - x) + cylinder.dead_volume_b + hose_volume
     bulk = 1 / (1 / 800e6 + hose_volume / volume / hose.bulk_modulus)
     open_valves = valves.reshape(6, 2).sum(axis=1)

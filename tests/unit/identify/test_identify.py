@@ -52,7 +52,7 @@ def test_small_valves_make_the_loop_the_sampled_system_of_eq_12(load_boom, modul
     )
     (panel,) = identify(study).panels
     tau_a, tau_b = time_constants_at(study, modulus, 0.15)
-    share_a = study.study.cylinder.share_a
+    share_a = study.study.share_a
     z = np.exp(1j * panel.omega * 0.01)
     wanted = 0
     # As in Eq. 11, each pressure makes the force's share of its area.
@@ -73,7 +73,7 @@ def test_theory_is_eq_11_with_half_a_sampling_period_and_the_valve_delay(load_bo
     for panel in identify(study).panels:
         tau_a, tau_b = time_constants_at(study, panel.oil_bulk_modulus_pa, panel.position_m)
         s = 1j * panel.omega
-        wanted = force_dynamics(s, tau_a, tau_b, study.study.cylinder.share_a)
+        wanted = force_dynamics(s, tau_a, tau_b, study.study.share_a)
         wanted = wanted * np.exp(-s * (0.005 + panel.valve_delay_s))
         np.testing.assert_allclose(panel.theory, wanted, rtol=1e-12)
 

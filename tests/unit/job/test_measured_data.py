@@ -41,7 +41,7 @@ def rig(tmp_path, boom):
     spectrum = np.zeros(samples // 2 + 1, complex)
     spectrum[lines] = 1e5 * np.exp(2j * np.pi * rng.random(len(lines)))
     reference = np.fft.irfft(spectrum)
-    force = np.tile(force_after(reference, boom.study.cylinder.share_a), PERIODS + 1)
+    force = np.tile(force_after(reference, boom.study.share_a), PERIODS + 1)
     force += 0.1 * np.std(force) * rng.standard_normal(len(force))
     force[:samples] += 5e3 * np.exp(-np.arange(samples) * STEP)
     force = np.append(force, np.zeros(700))  # an unfinished period is left out
@@ -94,7 +94,7 @@ def test_a_reference_behind_the_hold_lacks_half_a_period(boom, rig, tmp_path):
 def test_welch_needs_no_period_and_agrees(boom, tmp_path):
     rng = np.random.default_rng(5)
     reference = 5e3 * rng.standard_normal(60_000)
-    force = force_after(reference, boom.study.cylinder.share_a)
+    force = force_after(reference, boom.study.share_a)
     force += 0.1 * np.std(force) * rng.standard_normal(len(force))
     path = write_record(tmp_path / "noise.csv", reference, force)
     reading = Reading((path,), ASKED, segment=5.0, band=(2.0, 300.0))
@@ -108,7 +108,7 @@ def test_several_files_span_one_range_and_reach_beyond_it(boom, tmp_path):
     omega = np.geomspace(2, 300, 40)
     files = []
     for name, tau_a in (("cold", 4e-3), ("warm", 9e-3)):
-        value = model(omega, np.array([tau_a, 11e-3, 12e-3]), boom.study.cylinder.share_a)
+        value = model(omega, np.array([tau_a, 11e-3, 12e-3]), boom.study.share_a)
         lines = ["frequency [rad/s],re,im"]
         table = np.stack([omega, value.real, value.imag], axis=1).tolist()
         lines += [",".join(map(repr, row)) for row in table]

@@ -100,7 +100,7 @@ def test_too_many_combinations_are_refused_with_their_number(load_boom):
     ("override", "words"),
     [
         (f'edges={{sizes={[1] * 24}, states=["subsets"]}}', "over 10000 states"),
-        (f"edges.sizes={[1] * 5000}", "30000 valves of a side"),
+        (f"edges.sizes={[1] * 5000}", "30000 valves of a chamber"),
         ("controller.max_combinations=1000000000", "at most"),
     ],
 )

@@ -21,7 +21,10 @@ def test_the_two_sides_are_not_exchanged(load_boom):
     study = load_boom("cylinder.dead_volume_a=0.5 dm^3", "hose.length_b=1 m")
     settings, hose = pack_force(study), study.study.hose
     assert settings.area_a > settings.area_b
-    assert settings.dead_a == 0.5e-3 + hose.volume_a
-    assert settings.dead_b == 0.4e-3 + hose.volume_b
-    assert (settings.hose_a, settings.hose_b) == (hose.volume_a, hose.volume_b)
+    assert settings.dead_a == 0.5e-3 + hose.volume(hose.length_a)
+    assert settings.dead_b == 0.4e-3 + hose.volume(hose.length_b)
+    assert (settings.hose_a, settings.hose_b) == (
+        hose.volume(hose.length_a),
+        hose.volume(hose.length_b),
+    )
     assert (settings.oil, settings.hose) == (1.4e9, 6e8)

@@ -34,9 +34,12 @@ def test_a_hose_s_inertance_is_its_oil_over_its_section(load_boom):
 
 def test_a_chamber_s_dead_volume_holds_its_hose(boom):
     cylinder, hose, machine = boom.study.cylinder, boom.study.hose, machine_of(boom)
-    assert (machine.hose_a, machine.hose_b) == (hose.volume_a, hose.volume_b)
-    assert machine.dead_a == cylinder.dead_volume_a + hose.volume_a
-    assert machine.dead_b == cylinder.dead_volume_b + hose.volume_b
+    assert (machine.hose_a, machine.hose_b) == (
+        hose.volume(hose.length_a),
+        hose.volume(hose.length_b),
+    )
+    assert machine.dead_a == cylinder.dead_volume_a + hose.volume(hose.length_a)
+    assert machine.dead_b == cylinder.dead_volume_b + hose.volume(hose.length_b)
 
 
 def test_each_filter_has_the_pole_of_its_own_time_constant(boom):

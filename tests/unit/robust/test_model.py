@@ -49,7 +49,7 @@ def test_what_the_study_says_is_packed_in_si(model):
     assert model.limits == (0.65, 0.48)
     assert model.period == 0.010
     assert model.plants.number == 3**4
-    assert set(model.plants.share_a) == {model.study.study.cylinder.share_a}
+    assert set(model.plants.share_a) == {model.study.study.share_a}
     assert model.requirements is model.study.study.requirements
 
 

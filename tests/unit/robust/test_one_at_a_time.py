@@ -36,7 +36,7 @@ def test_the_worst_plant_s_own_end_gives_the_worst_ratio_and_no_end_a_higher_one
 
 def test_velocity_ratios_against_eq_17_by_hand(swept):
     at, gain = swept.velocity.at, swept.gains.k_p_vel
-    share_a = swept.study.study.cylinder.share_a
+    share_a = swept.study.study.share_a
     worst = Plant(at.mass_kg, at.delay_s, at.tau_a_s, at.tau_b_s, share_a)
     points = 1j * swept.omega
     nominal = np.array([nominal_velocity(s, swept.model.nominal) for s in points])

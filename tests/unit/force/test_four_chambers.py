@@ -1,0 +1,122 @@
+"""The decision for four chambers against a plain law over all combinations."""
+
+from itertools import product
+
+import numpy as np
+import pytest
+from deciding import side_of
+
+from mptune.force.chambers import decide_of_chambers
+from mptune.force.cost import line_pressures
+from mptune.force.search_space import space_of
+from mptune.params.pack import pack_chambers
+from mptune.params.packed import AREA
+
+pytestmark = pytest.mark.compiled
+
+NOW = 'controller.delay_prediction="0 ms"'  # the plain law begins where the state is
+DYNAMIC = ('controller.force_model="dynamic"', 'controller.weight_compression="0 N/J"')
+MODELS = {
+    "steady state": (NOW,),
+    "paper": (NOW, *DYNAMIC),
+    "levers": (
+        NOW,
+        *DYNAMIC,
+        'controller.error="huber"',
+        'controller.loss="path"',
+        'controller.weight_common_mode="300 N/MPa"',
+    ),
+    "fixed penalty": (NOW, *DYNAMIC, 'controller.weight_pressure="0 N/Pa"'),
+}
+
+
+def states(count, seed, space):
+    random = np.random.default_rng(seed)
+    for _ in range(count):
+        yield {
+            "wanted": random.uniform(-2e4, 4e4),
+            "p": random.uniform(0.5e6, 12.5e6, 4),
+            "x": random.uniform(0, 0.3),
+            "v": random.uniform(-0.12, 0.12),
+            "supplies": line_pressures(1e6, random.uniform(11e6, 13e6), space),
+            "converters": np.zeros(0),
+            "present": random.integers(0, len(space.first), 4),
+        }
+
+
+def decided(case, space, more):
+    choice = case["present"].copy()
+    decide_of_chambers(
+        case["wanted"], case["p"], case["x"], case["v"], case["supplies"], case["converters"],
+        choice, space, more,
+    )  # fmt: skip
+    return tuple(int(one) for one in choice)
+
+
+def plain_costs(case, space, more):
+    """Costs of all combinations by the plain law of one chamber, as a mapping."""
+    sides, s = [], more.settings[0]
+    for i, settings in enumerate(more.settings):
+        side = int(more.table[AREA, i] < 0)
+        now = int(case["present"][i])
+        after, force, cost = side_of(side, case["p"][i], case["x"], now, case, space, settings)
+        sides.append((after, -force if side else force, cost))
+    middle, found = (case["supplies"][0] + case["supplies"][-1]) / 2, {}
+    for states_ in product(range(len(space.first)), repeat=4):
+        rows = [[column[state] for column in side]
+                for side, state in zip(sides, states_, strict=True)]  # fmt: skip
+        after, force, cost = (sum(column) for column in zip(*rows, strict=True))
+        error, width = abs(case["wanted"] - force), s.error_width
+        small = error < width
+        total = error**2 / (2 * width) if small else error - width / 2
+        found[states_] = total + s.weight_common_mode * abs(after / 4 - middle) + cost
+    return found
+
+
+@pytest.mark.parametrize("name", MODELS)
+def test_decisions_are_the_cheapest_of_all_combinations(load_shape, name):
+    study = load_shape("four-chamber", *MODELS[name])
+    space, more = space_of(study), pack_chambers(study)
+    met = set()
+    for case in states(40, 3, space):
+        costs, chosen = plain_costs(case, space, more), decided(case, space, more)
+        assert len(costs) == 81
+        assert costs[chosen] == pytest.approx(min(costs.values()), rel=1e-9, abs=1e-5)
+        met.add(chosen)
+    assert len(met) > 10
+
+
+def test_a_mirrored_machine_decides_in_mirror_image(load_shape):
+    """Equal areas in pairs; sides, velocity and force change places."""
+    study = load_shape("four-chamber", *MODELS["paper"])
+    space, more = space_of(study), pack_chambers(study)
+    wide, narrow, valves = 20e-4, 9e-4, 4e-7
+    table = more.table.copy()
+    table[AREA] = wide, -wide, narrow, -narrow
+    settings = tuple(
+        one._replace(area_a=max(area, 0.0), area_b=max(-area, 0.0), flow_coefficient=valves)
+        for one, area in zip(more.settings, table[AREA], strict=True)
+    )
+    more, swapped = more._replace(table=table, settings=settings), [1, 0, 3, 2]
+    for case in states(60, 9, space):
+        mirror = {
+            **case,
+            "wanted": -case["wanted"],
+            "p": case["p"][swapped],
+            "x": settings[0].stroke - case["x"],
+            "v": -case["v"],
+            "present": case["present"][swapped],
+        }
+        chosen = decided(case, space, more)
+        assert decided(mirror, space, more) == tuple(chosen[i] for i in swapped)
+
+
+def test_pressures_are_carried_through_the_valve_delay_first(load_shape):
+    study = load_shape("four-chamber", *DYNAMIC, 'controller.delay_prediction="5 ms"')
+    space, more = space_of(study), pack_chambers(study)
+    still = tuple(one._replace(delay_prediction=0.0) for one in more.settings)
+    differs = sum(
+        decided(case, space, more) != decided(case, space, more._replace(settings=still))
+        for case in states(40, 5, space)
+    )
+    assert differs > 5

@@ -1,0 +1,132 @@
+"""A machine of any number of chambers against the machine of two, and a chamber cut in two."""
+
+import numpy as np
+import pytest
+from opened import opened
+
+from mptune.params.line_table import line_table
+from mptune.params.lines import SupplyLine
+from mptune.params.pack import pack_chambers, pack_machine
+from mptune.params.packed import AREA, DEAD, HOSE, LINE_ROWS, NO_TABLE, SIZE
+from mptune.plant import machine as plant
+from mptune.plant.chamber_valves import open_valves_of_chambers
+from mptune.plant.chambers import chambers_force, rates_of_chambers
+from mptune.plant.piston import burden_at
+from mptune.plant.supplies import oil_at_pressure
+from mptune.plant.valve import shut_valves
+
+pytestmark = pytest.mark.compiled
+
+LINES = line_table(
+    (
+        SupplyLine(kind="tank", pressure="1 MPa"),
+        SupplyLine(kind="constant", pressure="6 MPa"),
+        SupplyLine(kind="accumulator", pressure="12 MPa"),
+    ),
+    1e6,
+)
+OPEN = np.array([[1.0, 0.0, 0.4], [0.0, 2.0, 0.3]])  # of A and B towards each line [K_v]
+
+
+@pytest.fixture
+def machine(boom):
+    return pack_machine(boom, 30e3, 1.2e9, 9700.0)._replace(converters=0, low_pressure=1e6)
+
+
+def state_of(machine, *pressures):
+    state = np.zeros(plant.states_of(machine) + max(len(pressures) - 2, 0))
+    state[plant.X], state[plant.V] = 0.12, 0.07
+    state[[plant.PRESSURE_A, plant.PRESSURE_B]] = pressures[:2]
+    state[plant.OIL] = oil_at_pressure(14e6, machine)
+    state[plant.states_of(machine) :] = pressures[2:]
+    return state
+
+
+def table_of(machine, shares=(1.0, 1.0)):
+    """A and B of the machine, then what is left of them."""
+    area = np.array([machine.area_a, -machine.area_b])
+    dead, hose = np.array([machine.dead_a, machine.dead_b]), [machine.hose_a, machine.hose_b]
+    parts = [np.array(shares), 1 - np.array(shares)]
+    parts = [part for part in parts if part.all()]
+    table = np.zeros((4, 2 * len(parts)))
+    for row, whole in ((AREA, area), (DEAD, dead), (HOSE, hose), (SIZE, [1.0, 1.0])):
+        table[row] = np.concatenate([part * whole for part in parts])
+    return table
+
+
+def run(machine, table, state):
+    count = table.shape[1]
+    lines = np.vstack([LINES, np.zeros((count, 3))])
+    lines[LINE_ROWS:] = table[SIZE][:, None] * np.tile(OPEN, (count // 2, 1))
+    slope, power = np.zeros(len(state)), np.zeros(plant.ENERGIES)
+    burden = burden_at(state[plant.X], machine, NO_TABLE)
+    rates_of_chambers(state, lines, 1.0, machine, burden, slope, power, table)
+    return slope, power
+
+
+@pytest.mark.parametrize("pump", [False, True])
+def test_two_chambers_move_as_the_machine_of_two(machine, pump):
+    if pump:  # in the accumulator's place one that follows the load, and gives one way
+        machine = machine._replace(
+            accumulator_volume=0.0, pump_lag=0.06, pump_margin=1e6, pump_standby=2e6
+        )
+    state = state_of(machine, 6e6, 5e6)
+    slope, power = run(machine, table_of(machine), state)
+    wanted, spent = np.zeros(len(state)), np.zeros(plant.ENERGIES)
+    burden = burden_at(state[plant.X], machine, NO_TABLE)
+    lines = opened(LINES, *OPEN)
+    plant.rates(state, lines, 1.0, machine, burden, wanted, spent)
+    assert slope == pytest.approx(wanted, rel=1e-12)
+    assert power == pytest.approx(spent, rel=1e-12)
+
+
+def test_chambers_cut_in_two_move_as_one(machine):
+    whole, power = run(machine, table_of(machine), state_of(machine, 6e6, 5e6))
+    table = table_of(machine, (0.3, 0.6))
+    state = state_of(machine, 6e6, 5e6, 6e6, 5e6)
+    cut, spent = run(machine, table, state)
+    own = plant.states_of(machine)
+    assert cut[:own] == pytest.approx(whole, rel=1e-10)
+    assert cut[own:] == pytest.approx(whole[[plant.PRESSURE_A, plant.PRESSURE_B]], rel=1e-10)
+    assert spent == pytest.approx(power, rel=1e-10)
+    force = machine.area_a * 6e6 - machine.area_b * 5e6
+    assert chambers_force(state, machine, table) == pytest.approx(force)
+
+
+def test_a_mirrored_machine_moves_in_mirror_image(machine):
+    """Equal areas, valves and volumes in pairs; sides, place, velocity and load change places."""
+    machine = machine._replace(load=0.0, load_stiffness=0.0)
+    table = table_of(machine, (0.5, 0.5))
+    table[AREA] = 2e-3, -2e-3, 1e-3, -1e-3
+    table[DEAD] = 4e-4, 4e-4, 3e-4, 3e-4
+    table[HOSE], table[SIZE] = 1e-4, (1.0, 1.0, 0.5, 0.5)
+    state = state_of(machine, 6e6, 5e6, 3e6, 9e6)
+    lines = np.vstack([LINES, np.array([[1, 0, 0], [0, 0, 1], [0, 1, 0], [0, 1, 1.0]])])
+    other, swapped = state_of(machine, 5e6, 6e6, 9e6, 3e6), [1, 0, 3, 2]
+    other[plant.X], other[plant.V] = machine.stroke - state[plant.X], -state[plant.V]
+    mirrored = lines.copy()
+    mirrored[LINE_ROWS:] = lines[LINE_ROWS:][swapped]
+    found = []
+    for one, opening in ((state, lines), (other, mirrored)):
+        slope, power = np.zeros(len(state)), np.zeros(plant.ENERGIES)
+        burden = burden_at(one[plant.X], machine, NO_TABLE)
+        rates_of_chambers(one, opening, 0.0, machine, burden, slope, power, table)
+        found.append((slope, power))
+    (slope, power), (mirror, spent) = found
+    own = plant.states_of(machine)
+    places = [plant.PRESSURE_A, plant.PRESSURE_B, own, own + 1]
+    assert mirror[places] == pytest.approx(slope[places][swapped], rel=1e-9)
+    assert mirror[plant.V] == pytest.approx(-slope[plant.V], rel=1e-9)
+    assert spent == pytest.approx(power, rel=1e-9)
+
+
+def test_open_valves_are_sized_chamber_by_chamber(load_shape):
+    table = pack_chambers(load_shape("four-chamber")).table
+    edge = np.array([[0.0, 2.0, 2.0], [1.0, 1.0, 3.0]])  # none to the middle line
+    valves = shut_valves(12)
+    valves.opening[[0, 4, 8, 11]] = 1.0, 0.5, 1.0, 0.25
+    found = np.full((LINE_ROWS + 4, 3), np.nan)
+    open_valves_of_chambers(valves, edge, LINES, table, found)
+    np.testing.assert_array_equal(found[:LINE_ROWS], LINES)
+    wanted = [[2.0, 0, 0], [0, 0, 0.5], [0, 0, 0.5 * 3], [0, 0, 0.5 * 3 * 0.25]]
+    np.testing.assert_array_equal(found[LINE_ROWS:], wanted)
