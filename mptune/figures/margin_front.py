@@ -41,6 +41,6 @@ def index_over_margin(rows: Sequence[dict[str, Any]]) -> Figure:
         for axes in (index, noise, soft):
             axes.set(xlabel="Disk margin [–]")
             axes.margins(0.08)
-            axes.set_ylim(bottom=0)
+            axes.set_ylim(0, 1.1 * axes.dataLim.y1)  # a constant one would lie on the edge
         legend_below(figure, index)
     return figure
