@@ -7,7 +7,7 @@ PIP := $(VENV)/bin/python -m pip install --quiet --disable-pip-version-check
 STAMP := $(VENV)/.installed
 STUDY ?= studies/boom/study.toml
 
-.PHONY: run studies test test-all bench fuzz format setup coverage mutants lock lowest dist dist-check docs
+.PHONY: run studies test test-all bench guard trials fuzz format setup coverage mutants lock lowest dist dist-check docs
 
 run: setup
 	$(BIN)/mptune run $(STUDY)
@@ -54,8 +54,17 @@ lowest:
 	build/lowest/bin/python -m pytest -q -o addopts= tests/unit/test_units.py tests/unit/cli/test_stages.py
 	NUMBA_CACHE_DIR=build/lowest/kernels build/lowest/bin/python -m mptune.cli warm -v
 
+# Speeds, as ratios to other tools in the same run: reports/bench.md.
 bench: setup
-	$(BIN)/pytest -m bench -s -p no:randomly tests/bench
+	$(BIN)/pytest -m "bench and not trial" -s -p no:randomly tests/bench
+
+# Those of them that hold on a machine that others share, each three times easier.
+guard: setup
+	MPTUNE_BENCH_SLACK=3 $(BIN)/pytest -m guard -s -p no:randomly tests/bench
+
+# The README's figures anew, and what proofs and memory do at length: hours.
+trials: setup
+	MPTUNE_BENCH_RUNS=10000 $(BIN)/pytest -m trial -s -p no:randomly tests/bench
 
 # Bad input, extreme studies, full disks, kills and spoilt bytes, by rule and at length: an hour and
 # more. MINUTES=10 chooses how long bytes are spoilt at random, KILLS=6 how often a command is killed.
@@ -64,7 +73,9 @@ fuzz: setup
 
 # Kernels count too: they run interpreted once, so that their lines are seen.
 coverage: setup
-	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -m "not bench and not fuzz and not compiled"
+	$(BIN)/coverage erase
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -n 2 \
+		-m "not bench and not fuzz and not examples and not compiled"
 	$(BIN)/coverage combine
 	$(BIN)/coverage report
 
@@ -86,7 +97,8 @@ dist-check: setup
 	$(BIN)/twine check --strict dist/*
 	$(BIN)/check-wheel-contents dist/*.whl
 	$(BIN)/python -m zipfile -e dist/*.whl build/wheel
-	cd build/wheel && $(CURDIR)/$(BIN)/python -m mptune.cli new crane
+	cd build/wheel && $(CURDIR)/$(BIN)/python -m mptune.cli new loader
+	cd build/wheel && $(CURDIR)/$(BIN)/python -m mptune.cli new lifter --like crane
 
 format: setup
 	$(BIN)/ruff format .

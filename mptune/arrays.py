@@ -37,11 +37,22 @@ Real = Any
 _Function = TypeVar("_Function", bound="Callable[..., Any]")
 
 
-def _compiled(function: _Function, *, parallel: bool = False, inline: str = "never") -> _Function:
+def _compiled(
+    function: _Function,
+    *,
+    parallel: bool = False,
+    inline: str = "never",
+    counted: bool = True,
+) -> _Function:
     njit: Any = numba.njit
     with kept_for(function) as cached:
         decorate = njit(
-            cache=cached, nogil=True, error_model="numpy", parallel=parallel, inline=inline
+            cache=cached,
+            nogil=True,
+            error_model="numpy",
+            parallel=parallel,
+            inline=inline,
+            _nrt=counted,
         )
         return cast("_Function", decorate(function))
 
@@ -54,6 +65,15 @@ def kernel(function: _Function) -> _Function:
 def inlined_kernel(function: _Function) -> _Function:
     """Compile a function into each of its callers: for inner loops that a call would slow down."""
     return _compiled(function, inline="always")
+
+
+def lending_kernel(function: _Function) -> _Function:
+    """Compile a function that makes no array and keeps none: references to arrays are not counted.
+
+    A count is an atomic instruction for every array of every tuple handed on, which in the
+    simulator's innermost loops takes longer than the arithmetic. The caller holds all that is lent.
+    """
+    return _compiled(function, counted=False)
 
 
 def parallel_kernel(function: _Function) -> _Function:

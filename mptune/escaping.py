@@ -16,6 +16,7 @@ _COMMENT: Final = _WORDS - frozenset("|~#@&")
 _NAME: Final = frozenset(" .-_+,()")
 _ASCII_STRING: Final = frozenset(string.ascii_letters + string.digits + " ._:+-")
 _HTML: Final = frozenset(" \n.,:;=+-_()[]%!/|~^–—·…→≤≥±×°∫√∞′″’“”")
+_BARE_KEY: Final = frozenset(string.ascii_letters + string.digits + "-_")
 _LINE_LENGTH: Final = 1000  # characters: compilers need not take lines above 4095 bytes
 _NAME_BYTES: Final = 80  # of a file's name: what is appended to it must fit into 255
 _DIGITS: Final = 8
@@ -57,6 +58,14 @@ def comment_text(text: str) -> str:
 def c_string(text: str) -> str:
     """Return a text for a string in C: letters, digits and ``._:+-`` of ASCII, and spaces."""
     return "".join(c if c in _ASCII_STRING else "_" for c in text[:_LINE_LENGTH])
+
+
+def toml_key(text: str) -> str:
+    """Return a text as one part of a dotted TOML key: bare, or as a string in quotation marks."""
+    if text and all(c in _BARE_KEY for c in text):
+        return text
+    inside = (c if c.isalnum() or c in " .-_" else f"\\U{ord(c):08x}" for c in text)
+    return f'"{"".join(inside)}"'
 
 
 def html_text(text: str) -> str:

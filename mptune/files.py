@@ -12,11 +12,13 @@ import hashlib
 import os
 import platform
 import secrets
+import stat
 import tempfile
 from pathlib import Path
 
 from mptune.errors import Fault, InputError, OutputError
 
+LARGEST_TEXT = 20_000_000  # bytes: half a million rows, read in seconds
 _MACHINE = hashlib.sha256(platform.node().encode()).hexdigest()[:8]
 
 
@@ -33,9 +35,11 @@ def read_text(path: str | Path, remedy: str = "check the path") -> str:
     Raises
     ------
     InputError
-        If the path is missing, is a folder, may not be read, is empty or is not UTF-8 text.
+        If the path is missing, is no regular file, is larger than ``LARGEST_TEXT``, may not be
+        read, is empty or is not UTF-8 text.
     """
     try:
+        _refuse_what_has_no_end(path)
         text = Path(path).read_bytes().decode("utf-8-sig")
     except FileNotFoundError as error:
         raise InputError(path, Fault("", "", "does not exist", remedy)) from error
@@ -54,6 +58,38 @@ def read_text(path: str | Path, remedy: str = "check the path") -> str:
     if not text.strip():
         raise InputError(path, Fault("", "", "is empty", remedy))
     return text
+
+
+def _refuse_what_has_no_end(path: str | Path) -> None:
+    """Refuse devices and pipes, of which a study may name one, and files too large to be text."""
+    found = Path(path).stat()
+    if stat.S_ISDIR(found.st_mode):
+        return  # reading it says so
+    if not stat.S_ISREG(found.st_mode):
+        fault = Fault("", "", "is no regular file", "write its content into a file, and name that")
+        raise InputError(path, fault)
+    if found.st_size > LARGEST_TEXT:
+        size = f"is {found.st_size / 1e6:.0f} MB of text, {LARGEST_TEXT / 1e6:g} MB at most"
+        raise InputError(path, Fault("", "", size, "shorten it, or record as MAT 7.3 or MDF 4"))
+
+
+def is_there(path: str | Path) -> bool:
+    """Return whether there is a file, or a folder, of that name.
+
+    Raises
+    ------
+    InputError
+        If no file can have that name: it is too long, say.
+    """
+    try:
+        Path(path).stat()
+    except (FileNotFoundError, NotADirectoryError):
+        return False
+    except (OSError, ValueError) as error:  # too long; NUL, or halves of pairs
+        why = f": {error.strerror}" if isinstance(error, OSError) else ""
+        fault = Fault("", repr(str(path)), f"is no path that a file can have{why}", "rename it")
+        raise InputError("path", fault) from error
+    return True
 
 
 def make_folder(path: str | Path) -> Path:

@@ -158,13 +158,17 @@ def new(
     folder: Annotated[
         Path, typer.Option("--in", parser=a_path, metavar="DIR", help="Where studies live.")
     ] = Path("studies"),
+    like: Annotated[
+        str,
+        typer.Option(metavar="STUDY", help="Copy a bundled study, such as crane, or one's file."),
+    ] = "",
     quiet: QuietOption = False,
 ) -> None:
     """Write a study to start from."""
     from mptune.cli import show
     from mptune.params.template import write_template
 
-    written = write_template(folder, name)
+    written = write_template(folder, name, like)
     if not quiet:
         show.files((written,))
 

@@ -14,5 +14,6 @@ if TYPE_CHECKING:
 def systems(result: SystemsResult) -> None:
     """Print the comparison, and what was calibrated."""
     rows = result.rows()
-    show(compared(rows).brief(), boundaries(rows), calibrated(rows))
+    tables = compared(rows).brief(), boundaries(rows), calibrated(rows)
+    show(*(table for table in tables if table.rows))  # not every study calibrates
     say(RULE)

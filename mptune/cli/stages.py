@@ -61,8 +61,8 @@ class Stages:
     def durations(self) -> dict[str, tuple[float, float]]:
         """Return how long each stage took, in the order in which they began.
 
-        Beside it the time that the processor's cores worked for it, added up [s]: other programs
-        prolong the former alone.
+        Beside it the time that the processor's cores worked meanwhile, added up [s], for whatever
+        the command does beside the stage as well: other programs prolong the former alone.
         """
         self._close()
         return {stage: (spent, self._worked[stage]) for stage, spent in self._spent.items()}

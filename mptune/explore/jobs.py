@@ -13,7 +13,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING, Any
 
 from mptune.errors import Fault, InputError
-from mptune.files import make_folder, write_whole
+from mptune.files import is_there, make_folder, write_whole
 from mptune.job.gains import gains_file
 from mptune.params.gains import write_gains
 from mptune.params.load import load_study
@@ -157,7 +157,7 @@ def refuse_to_overwrite(path: Path, *, over: bool) -> None:
     """
     if path.suffix != ".toml":
         raise InputError(path, Fault("", "", "is no name of a gains file", "let it end in .toml"))
-    if path.exists() and not over:
+    if is_there(path) and not over:
         raise InputError(path, Fault("", "", "exists", "confirm to write over it, or rename"))
 
 

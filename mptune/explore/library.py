@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from mptune.errors import Fault, InputError
+from mptune.escaping import file_name
 from mptune.explore.jobs import Ask
 from mptune.params.load import load_study
 
@@ -49,7 +50,7 @@ class Library:
         folder = path.resolve().parent.parent
         beside = sorted(folder.glob("*/study.toml"))[:_MOST] if path.name == "study.toml" else ()
         for one in beside:
-            found.setdefault(one.parent.name, one)
+            found.setdefault(file_name(one.parent.name), one)
         return cls(tuple(found.items()), overrides, uncertainty)
 
     @property

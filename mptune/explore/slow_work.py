@@ -11,10 +11,12 @@ from concurrent.futures import Future, ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from mptune.errors import InputError
 from mptune.explore import words
 from mptune.explore.move import SimulatedMove, simulated_move
 from mptune.explore.page import VIEWS
 from mptune.explore.worker import Worker, WorkerMessage
+from mptune.files import is_there
 
 if TYPE_CHECKING:
     from collections.abc import Callable
@@ -67,8 +69,12 @@ class SlowWork:
         """Save the gains with both verdicts; over a file that exists only where that is meant."""
         page = self._page
         path = Path(page.gains_path.value or "")
-        page.over.visible = path.exists()
-        if path.exists() and not over:
+        try:
+            page.over.visible = there = is_there(path)
+        except InputError as error:
+            page.message.object = words.said(str(error), wrong=True)
+            return
+        if there and not over:
             text = f"{path} exists: write over it, or choose another name."
             page.message.object = words.said(text, wrong=True)
             return

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from mptune.figures.style import legend_below, new_figure, style
-from mptune.params.paper import OTHER_SYSTEMS
+from mptune.params.paper import MEASURED_LOSS, OTHER_SYSTEMS
 from mptune.sim.merit import merit
 
 if TYPE_CHECKING:
@@ -45,9 +45,9 @@ def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
                 mine = [one for one in runs if one["system"] == key and one["mass_kg"] == mass]
                 _system(axes, mine, title, number)
             axes.set(title=f"{mass / 1e3:g} t", xlabel=_INDEX.axis, xscale="log")
-            axes.set_ylim(bottom=0)
             axes.margins(x=0.15)
-        for one in OTHER_SYSTEMS:
+        beside = MEASURED_LOSS.keys() & set(masses)  # another machine's losses are others
+        for one in OTHER_SYSTEMS if beside else ():
             for axes in panels:
                 if one.key in dict(systems):
                     axes.axhline(one.loss, color="#bbbbbb", linewidth=0.7, linestyle=":", zorder=0)
@@ -56,6 +56,7 @@ def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
             axes.set_xticks(ticks, [str(tick) for tick in ticks])
             axes.minorticks_off()
         panels[0].set_ylabel(_LOSS.axis)
+        panels[0].set_ylim(0, panels[0].get_ylim()[1])  # shared, and so of what all panels hold
         legend_below(figure, *panels, columns=3)
     return figure
 

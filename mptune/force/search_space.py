@@ -62,7 +62,8 @@ def search_space(edges: EdgeRule = _PAPER_EDGES, lines: FloatArray = _PAPER_LINE
         for place, (line, opened) in enumerate(state.items()):
             valves[row, starts[line] + np.array(opened)] = 1
             ports[row, place], counts[row, place] = line, sum(sizes[line][k] for k in opened)
-    switches = np.abs(valves[:, None] - valves[None]).sum(axis=2).astype(np.float64)
+    number_open = valves.sum(axis=1)
+    switches = (number_open[:, None] + number_open - 2 * valves @ valves.T).astype(np.float64)
     first, second = (np.ascontiguousarray(column) for column in ports.T)
     first_count, second_count = (np.ascontiguousarray(column) for column in counts.T)
     edge = [(line, size) for line, parallel in enumerate(sizes) for size in parallel]

@@ -80,19 +80,21 @@ def fit(
     variance = _noise(data, best, deviation, share_a)
     order_open = other.cost - best.cost < excess * variance and _apart(best, other)
     covariance = variance * _covariance(best.jacobian)
-    ends = _ends(best.at, covariance, quantile)
-    if order_open:
-        others = _ends(other.at, variance * _covariance(other.jacobian), quantile)
-        ends = np.stack([np.minimum(ends[0], others[0]), np.maximum(ends[1], others[1])])
-    if np.any(np.ptp(ends, axis=0) > 2 * _VAGUE * best.at):
+    orders = (best, other) if order_open else (best,)
+    each = [_ends(one.at, variance * _covariance(one.jacobian), quantile) for one in orders]
+    either_determined = not any(
+        _is_vague(of_one[0], of_one[1], one.at) for of_one, one in zip(each, orders, strict=True)
+    )
+    ends = np.stack([np.min(each, axis=0)[0], np.max(each, axis=0)[1]])
+    if _is_vague(ends[0], ends[1], best.at):
         residuals = _residuals(data, deviation, share_a, 1e-3 * np.eye(3))
-        minima = [1e3 * one.at for one in ((best, other) if order_open else (best,))]
+        minima = [1e3 * one.at for one in orders]
         ends = 1e-3 * likely_ends(residuals, minima, best.cost + excess * variance)
     low, high = ends
     intervals = [
         Interval(*(float(end) for end in one)) for one in zip(best.at, low, high, strict=True)
     ]
-    vague = bool(np.any(high - low > 2 * _VAGUE * best.at))
+    vague = _is_vague(low, high, best.at)
     certainty = Certainty.ILL_DETERMINED if vague else Certainty.DETERMINED
     if order_open:
         certainty = Certainty.ORDER_UNKNOWN
@@ -109,6 +111,7 @@ def fit(
         error=float(np.sqrt(np.mean(np.abs(data.response / fitted - 1) ** 2))),
         weakest=_weakest(covariance, quantile),
         certainty=certainty,
+        either_order_determined=either_determined,
     )
 
 
@@ -230,6 +233,11 @@ def _ends(at: FloatArray, covariance: FloatArray, quantile: float) -> FloatArray
     """Return the ends of the linear intervals, ``(2, 3)``, none negative."""
     width = quantile * np.sqrt(np.diag(covariance))
     return np.stack([np.maximum(at - width, 0.0), at + width])
+
+
+def _is_vague(low: FloatArray, high: FloatArray, at: FloatArray) -> bool:
+    """Whether some interval is too wide for its value."""
+    return bool(np.any(high - low > 2 * _VAGUE * at))
 
 
 def _apart(best: _Minimum, other: _Minimum) -> bool:

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from mptune.arrays import FloatArray
 
 NAMES = ("tau_a", "tau_b", "delay")
-_WIDE = 3.0
 
 
 class Certainty(StrEnum):
@@ -53,6 +52,8 @@ class Fit(Summarised):
         The combination of the three that is known least, in words, with its linear half width.
     certainty
         Whether the response determines them.
+    either_order_determined
+        Whether it would if it were known which lag is which side's, whichever that is.
     """
 
     name: str
@@ -64,16 +65,18 @@ class Fit(Summarised):
     error: float
     weakest: str
     certainty: Certainty
+    either_order_determined: bool = False
 
     @property
     def good(self) -> bool:
         """Whether the intervals say enough.
 
-        Which lag is which side's may stay open, as no study needs it: then each interval holds both
-        orders, and its ends must be within a factor of three.
+        Which lag is which side's may stay open, as no study needs it: the intervals then hold both
+        orders, however far the lags are apart, and each order by itself must be as well determined
+        as the only one must be elsewhere.
         """
         if self.certainty is Certainty.ORDER_UNKNOWN:
-            return all(one.high <= _WIDE * one.low for one in (self.tau_a, self.tau_b, self.delay))
+            return self.either_order_determined
         return self.certainty is Certainty.DETERMINED
 
     @property

@@ -6,23 +6,27 @@ from typing import TYPE_CHECKING
 
 from mptune.params.controller import Feedforward
 from mptune.progress import silent
-from mptune.tune.papers_frame import in_papers_frame
-from mptune.tune.tuner import tune
 from mptune.verify.beside import PapersFrame, beside
 from mptune.verify.verify import verify
 
 if TYPE_CHECKING:
+    from collections.abc import Callable
+
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
+    from mptune.tune.result import TuneResult
     from mptune.verify.result import VerifyResult
 
 _SETS = 6  # the first is left out of figures; more would tell nothing else, and take their time
 
 
 def papers_frame(
-    study: ResolvedStudy, before: VerifyResult, progress: Progress = silent
+    study: ResolvedStudy,
+    before: VerifyResult,
+    tuned_so: Callable[[], TuneResult],
+    progress: Progress = silent,
 ) -> PapersFrame | None:
-    """Tune a study in the paper's frame and verify the gains on its machines.
+    """Verify what tuning a study in the paper's frame gives on its machines.
 
     Parameters
     ----------
@@ -30,6 +34,8 @@ def papers_frame(
         The study.
     before
         Its machines under its own gains.
+    tuned_so
+        Gives what tuning in that frame has found, see ``mptune.tune.papers_frame``.
     progress
         Told of the stage ``"paper's frame"``.
 
@@ -39,7 +45,7 @@ def papers_frame(
         None where the paper's own requirements cannot be met.
     """
     progress("paper's frame", 0.0)
-    tuned = tune(in_papers_frame(study))
+    tuned = tuned_so()
     if tuned.blocking is not None:
         return None
     few = min(study.study.verification.repeats, _SETS)

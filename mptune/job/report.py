@@ -16,10 +16,12 @@ if TYPE_CHECKING:
     from pathlib import Path
 
     from mptune.job.result import JobResult
+    from mptune.robust.chain import Link
     from mptune.robust.encirclements import Encirclements
     from mptune.robust.one_at_a_time import Influence
     from mptune.robust.result import SweepResult
     from mptune.sim.sampled import LinearMove
+    from mptune.verify.result import VerifyResult
 
 
 class LinearPart(NamedTuple):
@@ -71,17 +73,23 @@ def linear_part(swept: SweepResult, moves: tuple[LinearMove, ...]) -> LinearPart
     return LinearPart(counts, one_at_a_time(swept), figures, to_png(panels))
 
 
-def draw(result: JobResult, linear: LinearPart) -> dict[str, bytes]:
-    """Return all the figures of a run as SVG, by name."""
+def draw_chain(links: tuple[Link, ...]) -> dict[str, bytes]:
+    """Return the chain of gain factors as SVG, by name."""
     from mptune.figures.chain import gain_chain
+    from mptune.figures.style import to_svg
+
+    return {"chain": to_svg(gain_chain(links))}
+
+
+def draw_machine(verified: VerifyResult) -> dict[str, bytes]:
+    """Return the worst machine of each mass as SVG, by name."""
     from mptune.figures.machine import machine_traces
     from mptune.figures.style import to_svg
 
-    figures = {**linear.figures, "chain": to_svg(gain_chain(result.chain))}
-    fed = result.verified.feedforward if result.verified else None
-    for case in result.verified.worst_per_mass() if result.verified else ():
-        figures[machine_figure(case.mass_kg)] = to_svg(machine_traces(case, fed))
-    return figures
+    return {
+        machine_figure(case.mass_kg): to_svg(machine_traces(case, verified.feedforward))
+        for case in verified.worst_per_mass()
+    }
 
 
 def report(out: Path, results: Results, figures: Mapping[str, bytes]) -> tuple[Path, Path]:

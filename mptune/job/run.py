@@ -23,13 +23,14 @@ from __future__ import annotations
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 from mptune.claim import claimed
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file
+from mptune.job.own_machine import own_machine
 from mptune.job.papers_frame import papers_frame
-from mptune.job.report import draw, linear_part, report, results_of
+from mptune.job.report import draw_chain, draw_machine, linear_part, report, results_of
 from mptune.job.result import JobResult
 from mptune.job.tune import compared_files
 from mptune.params.gains import read_gains, write_gains
@@ -41,27 +42,41 @@ from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep, with_radii
 from mptune.sim.sampled import linear_moves
 from mptune.tune.baselines import baselines
+from mptune.tune.papers_frame import in_papers_frame
 from mptune.tune.tuner import tune
 from mptune.verify.before_after import changes
 from mptune.verify.checks import machine_checks
 from mptune.verify.gain_limit import as_verified, machine_gain_limit
-from mptune.verify.precompile import precompiling
 from mptune.verify.store import write_traces
 from mptune.verify.verify import verify
 
 if TYPE_CHECKING:
     from concurrent.futures import Future
 
+    from mptune.job.own_machine import OwnMachine
     from mptune.job.report import LinearPart
     from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
+    from mptune.tune.result import TuneResult
     from mptune.verify.result import VerifyResult
 
 STAGES = (
-    *("sweep", "tune", "linear check", "chain", "verify", "verify own"),
+    *("sweep", "tune", "linear check", "chain", "verify own", "verify"),
     *("paper's frame", "compare", "figures", "report"),
 )
 _WORTH_RUNNING = {Headline.MET, Headline.ON_PAPER}
+
+
+class SideWork(NamedTuple):
+    """What is made in one thread beside the machine: drawn, and tuned for comparison.
+
+    It runs the kernels that have threads of their own and must not run twice at once; the
+    simulation runs none of them.
+    """
+
+    linear: Future[LinearPart]
+    in_frame: Future[TuneResult] | None = None
+    machine: Future[dict[str, bytes]] | None = None
 
 
 def run(
@@ -97,23 +112,26 @@ def run(
     folder = make_folder(out / study.name)
     with (
         claimed(folder, "run", "a run of the whole job"),
-        ThreadPoolExecutor(1, "drawing") as drawing,
+        ThreadPoolExecutor(1, "beside") as thread,
     ):
-        result, linear = _judged(study, folder, progress, drawing)
+        result, beside = _judged(study, folder, progress, thread)
         if compare:
             progress("compare", 0.0)
+            beside.linear.result()
             compared = baselines(study, result.tuned, progress)
             more = compared_files(folder, study, compared)
             result = replace(result, compared=compared, files=(*result.files, *more))
         progress("figures", 0.0)
-        return _handed_over(result, linear.result(), out, folder, progress)
+        return _handed_over(result, beside, out, folder, progress)
 
 
 def _handed_over(
-    result: JobResult, linear: LinearPart, out: Path, folder: Path, progress: Progress
+    result: JobResult, beside: SideWork, out: Path, folder: Path, progress: Progress
 ) -> JobResult:
     """Draw what is not drawn yet of a result, write its report, and name all that was written."""
-    figures = draw(result, linear)
+    linear = beside.linear.result()
+    of_machine = beside.machine.result() if beside.machine else {}
+    figures = {**linear.figures, **draw_chain(result.chain), **of_machine}
     files = [*result.files]
     files += [write_whole(folder / f"{name}.svg", svg) for name, svg in figures.items()]
     files.append(write_whole(out / f"{result.study.name}.png", linear.picture))
@@ -125,13 +143,14 @@ def _handed_over(
 
 
 def _judged(
-    study: ResolvedStudy, folder: Path, progress: Progress, drawing: ThreadPoolExecutor
-) -> tuple[JobResult, Future[LinearPart]]:
+    study: ResolvedStudy, folder: Path, progress: Progress, thread: ThreadPoolExecutor
+) -> tuple[JobResult, SideWork]:
     """Tune, judge on every model, and write sweep, gains and traces.
 
-    What is known before the machine runs is drawn beside it.
+    The machine runs under the study's own gains meanwhile. What is known before it runs under those
+    found is drawn beside it.
     """
-    with precompiling() as simulator_ready:
+    with own_machine(study) as own:
         progress("sweep", 0.0)
         published = sweep(study)
         progress("tune", 0.0)
@@ -141,26 +160,23 @@ def _judged(
         moves_before = linear_moves(study)
         moves = linear_moves(tuned.sweep.study, tuned.gains, tuned.feedforward)
         progress("chain", 0.0)
-        links = chain(tuned.sweep)
+        links, lumped = chain(tuned.sweep), other_reading(tuned.sweep)
         judgement = judge(tuned.sweep.checks, links)
-        runs = judgement.word in _WORTH_RUNNING
-        if runs:
-            simulator_ready()
-    linear = gains_file(tuned.sweep, tuned.feedforward, moves, None, judgement)
-    exported = write_gains(folder / "gains.toml", linear)
-    files = [write_sweep(folder / "sweep.nc", tuned.sweep), exported]
-    lumped = other_reading(tuned.sweep)
-    linear_drawn = drawing.submit(linear_part, tuned.sweep, moves)
-    verified, before = _verified(study, exported, progress) if runs else (None, None)
-    frame = None
-    if before is not None and study.study.verification.papers_frame:
-        frame = papers_frame(study, before, progress)
+        linear = gains_file(tuned.sweep, tuned.feedforward, moves, None, judgement)
+        exported = write_gains(folder / "gains.toml", linear)
+        files = [write_sweep(folder / "sweep.nc", tuned.sweep), exported]
+        beside = SideWork(thread.submit(linear_part, tuned.sweep, moves))
+        verified = before = frame = None
+        if judgement.word in _WORTH_RUNNING:
+            if study.study.verification.papers_frame:
+                beside = beside._replace(in_frame=thread.submit(tune, in_papers_frame(study)))
+            verified, before = _verified(study, exported, own, progress)
+            beside = beside._replace(machine=thread.submit(draw_machine, verified))
+    if before is not None and beside.in_frame is not None:
+        frame = papers_frame(study, before, beside.in_frame.result, progress)
     if verified is not None:
         progress("chain", 0.0)
-        machine = machine_gain_limit(
-            tuned.sweep.study, verified.gains, verified.feedforward, progress
-        )
-        links = (*links, as_verified(machine, verified))
+        links = (*links, as_verified(machine_gain_limit(verified, progress), verified))
         judgement = judge((*tuned.sweep.checks, *machine_checks(verified)), links)
         whole = gains_file(tuned.sweep, tuned.feedforward, moves, verified, judgement)
         write_gains(exported, whole)
@@ -179,18 +195,18 @@ def _judged(
         papers_frame=frame,
         files=tuple(files),
     )
-    return result, linear_drawn
+    return result, beside
 
 
 def _verified(
-    study: ResolvedStudy, exported: Path, progress: Progress
+    study: ResolvedStudy, exported: Path, own: OwnMachine, progress: Progress
 ) -> tuple[VerifyResult, VerifyResult]:
     """Return the machine under exported gains, and under the study's own, which run only once."""
     file = read_gains(exported, study.hash())
-    progress("verify", 0.0)
-    verified = verify(file.put_over(study), progress=progress)
-    own = study.study
-    if all(getattr(own, name) == section for name, section in file.chosen.items()):
-        return verified, verified
     progress("verify own", 0.0)
-    return verified, verify(study, progress=lambda _, share: progress("verify own", share))
+    before = own.result(progress)
+    held = study.study
+    if all(getattr(held, name) == section for name, section in file.chosen.items()):
+        return before, before
+    progress("verify", 0.0)
+    return verify(file.put_over(study), progress=progress), before

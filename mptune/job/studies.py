@@ -10,11 +10,13 @@
 from __future__ import annotations
 
 import json
+from collections import Counter
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from mptune.errors import Fault, InputError
 from mptune.files import make_folder, write_whole
 from mptune.job.leftovers import keep
 from mptune.job.run import run
@@ -88,9 +90,12 @@ def run_studies(
 
     Raises
     ------
+    InputError
+        If two studies have one name, so that their results would meet in one folder.
     OutputError
         If results cannot be written.
     """
+    _refuse_one_name_for_two(studies)
     from mptune.figures.studies import studies_apart
     from mptune.figures.style import to_svg
 
@@ -108,6 +113,13 @@ def run_studies(
         files.append(keep(folder, "studies", study, rows))
         files.append(write_whole(folder / "studies.svg", drawn))
     return StudiesCompared(tuple(rows), runs, tuple(files))
+
+
+def _refuse_one_name_for_two(studies: Sequence[ResolvedStudy]) -> None:
+    for name, count in Counter(one.name for one in studies).items():
+        if count > 1:
+            rule = "is the name of more than one of them: their results would meet in one folder"
+            raise InputError("the studies", Fault("", name, rule, "name each once, or rename one"))
 
 
 def rows_of(result: JobResult) -> list[dict[str, Any]]:

@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING, Any
 
 from mptune.files import make_folder, write_whole
 from mptune.job.gains import gains_file, with_gains
+from mptune.job.report import draw_machine
 from mptune.params.gains import accept_margins, write_gains
 from mptune.progress import silent
-from mptune.report.content.closed_loop import machine_figure
 from mptune.robust.chain import chain
 from mptune.robust.headline import judge
 from mptune.robust.sweep import sweep
@@ -81,9 +81,6 @@ def verify_study(
         If the file is of another controller, or its margins are not satisfied and ``force`` is
         False.
     """
-    from mptune.figures.machine import machine_traces
-    from mptune.figures.style import to_svg
-
     study, file, differs = with_gains(study, gains)
     if gains is not None and file is not None:
         accept_margins(gains, file, force=force)
@@ -101,7 +98,6 @@ def verify_study(
         copy = gains_file(swept, file.feedforward, moves, verified, judgement)
         files.append(write_gains(folder / "gains-verified.toml", copy))
     progress("figures", 0.0)
-    for case in verified.worst_per_mass():
-        svg = to_svg(machine_traces(case, verified.feedforward))
-        files.append(write_whole(folder / f"{machine_figure(case.mass_kg)}.svg", svg))
+    for name, svg in draw_machine(verified).items():
+        files.append(write_whole(folder / f"{name}.svg", svg))
     return VerifiedStudy(verified, links, judgement, differs, tuple(files))

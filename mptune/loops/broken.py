@@ -51,9 +51,38 @@ def position_path(s: Complex, path: MeasurementPath) -> Complex:
 @kernel
 def velocity_path(s: Complex, path: MeasurementPath) -> Complex:
     """Return the response from velocity to measured velocity; 1 without a path."""
+    return _differentiated(position_path(s, path), s, path)
+
+
+@kernel
+def _differentiated(position: Complex, s: Complex, path: MeasurementPath) -> Complex:
+    """Return ``velocity_path`` of a ``position_path``."""
     if path.sample_time == 0:
-        return 1 + 0 * s
-    return position_path(s, path) * differentiator_over_s(s, path.sample_time)
+        return position
+    return position * differentiator_over_s(s, path.sample_time)
+
+
+@kernel
+def feedbacks(s: Complex, gains: LoopGains, path: MeasurementPath) -> tuple[Complex, Complex]:
+    """Return what every plant of a family shares: K_P,vel times its path, and G_P times its own."""
+    heard = position_path(s, path)
+    controller = position_controller(
+        s, gains.k_p_pos, gains.k_i_pos, gains.omega, gains.xi, gains.tau
+    )
+    inner = velocity_controller(gains.k_p_vel) * _differentiated(heard, s, path)
+    return inner, controller * heard
+
+
+@kernel
+def closed_around(
+    which: int, s: Complex, velocity: Complex, inner: Complex, outer: Complex, k_p_vel: float
+) -> Complex:
+    """Return the loop gain of a plant ``velocity`` with its ``feedbacks``, broken at ``which``."""
+    if which == VELOCITY:
+        return velocity * inner
+    if which == POSITION:
+        return closed_velocity(s, velocity, velocity * inner, k_p_vel) * outer
+    return velocity * (inner + k_p_vel * outer / s)
 
 
 @kernel
@@ -67,22 +96,8 @@ def position_loop(
     s: Complex, velocity: Complex, gains: LoopGains, path: MeasurementPath
 ) -> Complex:
     """Return L_p, the loop gain broken at the position error."""
-    inner = velocity_loop(s, velocity, gains.k_p_vel, path)
-    plant = closed_velocity(s, velocity, inner, gains.k_p_vel)
-    controller = position_controller(
-        s, gains.k_p_pos, gains.k_i_pos, gains.omega, gains.xi, gains.tau
-    )
-    return plant * controller * position_path(s, path)
-
-
-@kernel
-def force_loop(s: Complex, velocity: Complex, gains: LoopGains, path: MeasurementPath) -> Complex:
-    """Return L_F, the loop gain broken at the force reference."""
-    controller = position_controller(
-        s, gains.k_p_pos, gains.k_i_pos, gains.omega, gains.xi, gains.tau
-    )
-    feedback = velocity_path(s, path) + controller * position_path(s, path) / s
-    return velocity * gains.k_p_vel * feedback
+    inner, outer = feedbacks(s, gains, path)
+    return closed_around(POSITION, s, velocity, inner, outer, gains.k_p_vel)
 
 
 @kernel
@@ -107,9 +122,8 @@ def loop_around(
         return inner if which == VELOCITY else (whole - inner) / (1 + inner)
     if which == VELOCITY:
         return velocity_loop(s, velocity, gains.k_p_vel, path)
-    if which == POSITION:
-        return position_loop(s, velocity, gains, path)
-    return force_loop(s, velocity, gains, path)
+    inner, outer = feedbacks(s, gains, path)
+    return closed_around(which, s, velocity, inner, outer, gains.k_p_vel)
 
 
 @kernel

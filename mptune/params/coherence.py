@@ -9,9 +9,10 @@ from __future__ import annotations
 from typing import TYPE_CHECKING
 
 from mptune.errors import Fault
-from mptune.params.demand import force_demand, slowest_valves, supply_demand
+from mptune.params.advice import advice_on
+from mptune.params.demand import flow_demand, force_demand, slowest_valves
 from mptune.params.doubts import Doubt
-from mptune.params.valve_states import valve_states
+from mptune.params.valve_states import number_of_states
 from mptune.units import shown
 
 if TYPE_CHECKING:
@@ -21,6 +22,9 @@ if TYPE_CHECKING:
     from mptune.params.study import ResolvedStudy, Study
 
 _SAME = 1e-9  # relative: nearer values are the same
+_MOST_VALVES = 1000  # of a side
+_MOST_COUNTED = 10_000  # states of a side, after which they are many
+_FEWER = "take fewer valves"
 _DELAYS = ("delay", "delay_as_it_runs")
 
 
@@ -47,7 +51,8 @@ def doubts_of(resolved: ResolvedStudy) -> tuple[Doubt, ...]:
         *_tried_elsewhere(resolved),
         *slowest_valves(study),
         *force_demand(study),
-        *supply_demand(study),
+        *flow_demand(study),
+        *advice_on(study),
     )
 
 
@@ -92,14 +97,23 @@ def _heavy_loads(study: Study, written: frozenset[str]) -> Iterator[Fault]:
 
 def _combinations(study: Study) -> Iterator[Fault]:
     """Refuse more combinations of both sides' states than a decision is to look at."""
-    states, most = len(valve_states(study.edge_rule)), study.controller.max_combinations
+    rule, most = study.edge_rule, study.controller.max_combinations
+    if rule.valves > _MOST_VALVES:
+        yield Fault(
+            "edges", f"{rule.valves} valves of a side", f"are more than {_MOST_VALVES}", _FEWER
+        )
+        return
+    states = number_of_states(rule, _MOST_COUNTED)  # every choice among n valves makes 2ⁿ
+    if states > _MOST_COUNTED:
+        made = f"make over {_MOST_COUNTED} states of each side and {_MOST_COUNTED**2} combinations"
+    else:
+        made = f"make {states} states of each side and {states**2} combinations"
     if states**2 > most:
         yield Fault(
             "edges",
-            f"{study.edge_rule.valves} valves of a side",
-            f"make {states} states of each side and {states**2} combinations, more than "
-            f"controller.max_combinations = {most}",
-            "take fewer valves or kinds of states, or raise it",
+            f"{rule.valves} valves of a side",
+            f"{made}, more than controller.max_combinations = {most}",
+            f"{_FEWER} or kinds of states, or raise it",
         )
 
 

@@ -125,7 +125,7 @@ class Controller(Section):
         at_most=1e12,
     )
     max_combinations: int = quantity(
-        "1", "n_max", "most combinations of both sides' states", 20_000, at_least=1, at_most=10**9
+        "1", "n_max", "most combinations of both sides' states", 20_000, at_least=1, at_most=10**6
     )
 
     @model_validator(mode="after")

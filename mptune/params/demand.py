@@ -1,4 +1,4 @@
-"""What the moves and the load ask of valves, pressures, pump and converters: rough, and said so."""
+"""What the moves and the load ask of valves and pressures: rough, and said so."""
 
 from __future__ import annotations
 
@@ -50,8 +50,8 @@ def force_demand(study: Study) -> Iterator[Doubt]:
         )
 
 
-def supply_demand(study: Study) -> Iterator[Doubt]:
-    """Doubt moves that are too fast for the valves, or too much for pump or converters."""
+def flow_demand(study: Study) -> Iterator[Doubt]:
+    """Doubt moves that are too fast for the valves."""
     for number, move in enumerate(study.manoeuvre):
         fastest = _fastest(study, move)
         if move.peak_velocity > fastest:
@@ -66,16 +66,6 @@ def supply_demand(study: Study) -> Iterator[Doubt]:
                 "slow the move down or take larger valves",
             )
             break
-    needed, pump = _mean_flow(study), study.supplies.pump_flow
-    if needed > pump:
-        yield Doubt(
-            ("manoeuvre", "supplies.pump_flow"),
-            (f"{len(study.manoeuvre)} moves", shown(pump, "m^3/s")),
-            f"friction and throttling over half a pressure step take about "
-            f"{shown(needed, 'm^3/s')} on average",
-            "rest longer between the moves or take a larger pump",
-        )
-    yield from _converters(study)
 
 
 def _supplied(study: Study) -> tuple[float, float]:
@@ -106,35 +96,3 @@ def _fastest(study: Study, move: Manoeuvre) -> float:
     flow = min(sum(sizes[0]), sum(sizes[-1])) * study.valves.flow_coefficient
     cubes = cylinder.area_a**3 + cylinder.area_b**3
     return flow * math.sqrt(max(min(spare, default=math.inf), 0.0) / cubes)
-
-
-def _mean_flow(study: Study) -> float:
-    """Return about what the pump must give on average [m³/s], ideal converters assumed.
-
-    Friction, and throttling over half a step between supply pressures on either side, per way;
-    leakage, switching and compression are left out, so that a pump may still be too small.
-    """
-    supplies, load, cylinder = study.supplies, study.load, study.cylinder
-    span = supplies.high_pressure - supplies.low_pressure
-    time = sum(move.duration + move.rest for move in study.manoeuvre)
-    speed = sum(move.travel for move in study.manoeuvre) / time
-    throttling = (cylinder.area_a + cylinder.area_b) * span / (len(study.edge_rule.sizes) - 1) / 2
-    return speed * (load.friction_coulomb + load.friction_viscous * speed + throttling) / span
-
-
-def _converters(study: Study) -> Iterator[Doubt]:
-    """Doubt moves that fill all converters, even if they share the oil evenly."""
-    if study.converters == 0:
-        return
-    low, high = study.reach()
-    swept = study.cylinder.area_a * (high - low)
-    supplies = study.supplies
-    room = study.converters * supplies.converter_area * supplies.converter_travel
-    if swept > room:
-        yield Doubt(
-            ("manoeuvre", "supplies.converter_travel"),
-            (shown(high - low, "m"), shown(supplies.converter_travel, "m")),
-            f"the A-side sweeps {shown(swept, 'm^3')}, {study.converters} converters take "
-            f"{shown(room, 'm^3')} from their centres to their ends",
-            "shorten the moves, or take larger converters or a longer travel",
-        )

@@ -12,7 +12,7 @@ from enum import StrEnum
 from itertools import pairwise
 from typing import TYPE_CHECKING, Self
 
-from pydantic import Field, model_validator
+from pydantic import Field, StrictInt, model_validator
 
 from mptune.params.section import Section, quantity, refuse
 from mptune.params.valve_states import EdgeRule, StateKind
@@ -43,7 +43,7 @@ class SupplyLine(Section):
         "Pa", "p", "pressure; nominal, of an accumulator; largest, of a pump", None,
         at_least=0, at_most=1e9,
     )  # fmt: skip
-    between: tuple[int, int] | None = Field(
+    between: tuple[StrictInt, StrictInt] | None = Field(
         None, description="numbers of the two lines, the lowest is 1, between which a converter is"
     )
     share: float | None = quantity(

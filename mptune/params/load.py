@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import contextlib
 import difflib
 import os
+import re
 import reprlib
 import tomllib
 from pathlib import Path
@@ -38,6 +40,10 @@ _REMEDY = "check the path, or start a study with `mptune new NAME`"
 _ADD_IT = "add it to the study"
 _DEEPEST = 16  # tables and lists within one another; studies have 5
 _MOST_FAULTS = 8  # of a file, in words; the rest is counted
+_PART = re.compile(r'\s*(?:("(?:[^"\\]|\\.)*")\s*|([^.=]*))([.=]|\Z)', re.DOTALL)  # of a key
+_MOST_BASES = 30  # of a study, one behind the other; studies have 2
+_LARGEST = 10_000_000  # characters of TOML, which take seconds to read
+_WHOLE = "name a study or a gains file, which have some thousands"
 _TOO_LARGE = "is a whole number beyond 64 bits", "write a smaller one, or one with a point"
 _BRIEF = reprlib.Repr()
 _BRIEF.maxstring = _BRIEF.maxother = _BRIEF.maxlong = 90
@@ -66,7 +72,7 @@ def load_study(
         written in. What is merely doubtful the study carries, see ``ResolvedStudy.doubts``.
     """
     path = Path(path)
-    layers = _layers(path)
+    layers = read_layers(path)
     for override in overrides:
         layers.override(*_key_and_value(override))
     read_references(layers)
@@ -116,8 +122,14 @@ def _with_machines(study: Study, chosen: UncertaintySet) -> Study:
     return study.model_copy(update={"verification": verification})
 
 
-def _layers(path: Path) -> Layers:
-    """Return the values of a study laid over those of its base, and of the base's base."""
+def read_layers(path: Path) -> Layers:
+    """Return the values of a study laid over those of its base, and of the base's base.
+
+    Raises
+    ------
+    InputError
+        If a file cannot be read, or is based on itself.
+    """
     written: list[tuple[Path, dict[str, Any]]] = []
     text = read_text(path, _REMEDY)
     while True:
@@ -127,6 +139,9 @@ def _layers(path: Path) -> Layers:
         written.insert(0, (path, values))
         if base is None:
             break
+        if len(written) > _MOST_BASES:
+            rule = f"is one more than {_MOST_BASES} bases, each of the next"
+            raise InputError(path, Fault(_BASE, repr(base), rule, "write the last ones into one"))
         path, text = _read_base(base, [file for file, _ in reversed(written)])
     try:
         return Layers.of(written)
@@ -164,8 +179,11 @@ def parse_toml(path: Path, text: str) -> dict[str, Any]:
     Raises
     ------
     InputError
-        If the text is not TOML: a truncated file, say.
+        If the text is not TOML: a truncated file, say; or if it is longer than any study.
     """
+    if len(text) > _LARGEST:
+        fault = Fault("", "", f"has {len(text) / 1e6:.0f}·10⁶ characters of TOML", _WHOLE)
+        raise InputError(path, fault)
     try:
         values = tomllib.loads(text)
     except tomllib.TOMLDecodeError as error:
@@ -259,30 +277,49 @@ def _suggestion(key: str, model: type[BaseModel]) -> str:
 
 def _key_and_value(override: str) -> tuple[list[str], Any]:
     """Return the parts of an override's key, and its value."""
-    key, separator, text = override.partition("=")
-    parts = [part.strip() for part in key.split(".")]
-    if not separator or not all(parts):
+    parts, text = _parts_and_text(override)
+    if text is None or not all(parts):
         fault = Fault("", repr(override), "is not key=value", 'write --set "load.force=5 kN"')
         raise InputError("--set", fault)
     if override.encode(errors="replace").decode() != override:
         raise InputError("--set", Fault("", ascii(override), "is not UTF-8", "write it anew"))
+    key = ".".join(parts)
     try:
         parsed = tomllib.loads(f"value = {text}")
     except RecursionError as error:
-        fault = Fault(key.strip(), "", "is nested too deeply", "mend its brackets")
+        fault = Fault(key, "", "is nested too deeply", "mend its brackets")
         raise InputError("--set", fault) from error
     except tomllib.TOMLDecodeError:
         parsed = {"value": text.strip()}  # a bare quantity: "controller.sampling_period=12 ms"
     except ValueError as error:  # a number of thousands of digits
-        raise InputError("--set", Fault(key.strip(), "", *_TOO_LARGE)) from error
+        raise InputError("--set", Fault(key, "", *_TOO_LARGE)) from error
     if len(parts) > _DEEPEST:
-        fault = Fault(key.strip(), "", "is nested too deeply", "shorten it")
+        fault = Fault(key, "", "is nested too deeply", "shorten it")
         raise InputError("--set", fault)
     _check_measure("--set", parsed)
     if set(parsed) != {"value"}:
-        fault = Fault(key.strip(), "", "is given more than one value", "repeat --set for each key")
+        fault = Fault(key, "", "is given more than one value", "repeat --set for each key")
         raise InputError("--set", fault)
     if parts[0] in _OF_A_FILE:
-        fault = Fault(key.strip(), "", "belongs to a file", "write it at the top of the study")
+        fault = Fault(key, "", "belongs to a file", "write it at the top of the study")
         raise InputError("--set", fault)
     return parts, parsed["value"]
+
+
+def _parts_and_text(override: str) -> tuple[list[str], str | None]:
+    """Return the parts of a key and what stands behind its ``=``; None where there is none.
+
+    A part with a point in it, or another sign of TOML's, is quoted as there.
+    """
+    parts: list[str] = []
+    place = 0
+    while match := _PART.match(override, place):
+        quoted, bare, sign = match.groups()
+        if quoted is not None:
+            with contextlib.suppress(tomllib.TOMLDecodeError):
+                quoted = tomllib.loads(f"part = {quoted}")["part"]
+        parts.append(bare.strip() if quoted is None else quoted)
+        place = match.end()
+        if sign != ".":
+            break
+    return parts, override[place:] if sign else None

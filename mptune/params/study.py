@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Annotated, Any, Self
 
 from pydantic import AfterValidator, Field, model_validator
 
+from mptune.escaping import toml_key
 from mptune.params.campaign import Campaign
 from mptune.params.controller import Controller, Feedforward, Gains
 from mptune.params.doubts import Doubt
@@ -238,8 +239,8 @@ class ResolvedStudy(Summarised, Section):
         return f"Study {self.name}, uncertainty {self.uncertainty_name or 'default'}"
 
     def key_of(self, name: str) -> str:
-        """Return the dotted key of a value of the chosen uncertainty set."""
-        chosen = f"sets.{self.uncertainty_name}." if self.uncertainty_name else ""
+        """Return the dotted key of a value of the chosen uncertainty set, as TOML has it."""
+        chosen = f"sets.{toml_key(self.uncertainty_name)}." if self.uncertainty_name else ""
         return f"uncertainty.{chosen}{name}"
 
     @property

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from itertools import islice
 from typing import TYPE_CHECKING, NamedTuple
 
 if TYPE_CHECKING:
@@ -35,21 +36,32 @@ class EdgeRule(NamedTuple):
 
 def valve_states(rule: EdgeRule) -> list[ValveSet]:
     """Return the states of one side, the closed one first, then kind by kind."""
-    return [state for kind in states_by_kind(rule) for state in kind]
+    return [state for _, state in _every_state(rule)]
 
 
 def states_by_kind(rule: EdgeRule) -> list[list[ValveSet]]:
     """Return the closed state, then those of each kind; what an earlier kind has is left out."""
-    found: list[list[ValveSet]] = [[{}]]
+    found: list[list[ValveSet]] = [[] for _ in range(1 + len(rule.states))]
+    for kind, state in _every_state(rule):
+        found[kind].append(state)
+    return found
+
+
+def number_of_states(rule: EdgeRule, most: int) -> int:
+    """Return how many states one side has, at most one more than asked about."""
+    return sum(1 for _ in islice(_every_state(rule), most + 1))
+
+
+def _every_state(rule: EdgeRule) -> Iterator[tuple[int, ValveSet]]:
+    """Yield each state once, with the number of its kind: 0 of the closed one, then from 1."""
+    yield 0, {}
     met: set[tuple[tuple[int, tuple[int, ...]], ...]] = {()}
-    for kind in rule.states:
-        found.append([])
+    for number, kind in enumerate(rule.states, 1):
         for state in _states_of(kind, rule.sizes):
             key = tuple(sorted(state.items()))
             if key not in met:
                 met.add(key)
-                found[-1].append(state)
-    return found
+                yield number, state
 
 
 def _states_of(kind: StateKind, sizes: Sequence[Sequence[float]]) -> Iterator[ValveSet]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mptune.arrays import FloatArray, inlined_kernel, kernel
+from mptune.arrays import FloatArray, inlined_kernel, lending_kernel
 
 if TYPE_CHECKING:
     from mptune.params.packed import Machine
@@ -40,7 +40,7 @@ class Burden(NamedTuple):
     mass_slope: float  # kg/m
 
 
-@kernel
+@lending_kernel
 def burden_at(position: float, machine: Machine, table: FloatArray) -> Burden:
     """Return load and inertia about a position.
 
@@ -59,7 +59,7 @@ def burden_at(position: float, machine: Machine, table: FloatArray) -> Burden:
     )
 
 
-@kernel
+@lending_kernel
 def _from_table(position: float, table: FloatArray, column: int) -> tuple[float, float]:
     """Return value and slope of a column by linear interpolation, held beyond the ends."""
     last = len(table) - 1

@@ -6,7 +6,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from mptune.arrays import FloatArray, IntArray, kernel
+from mptune.arrays import FloatArray, IntArray, lending_kernel
 from mptune.params.packed import LINE_ROWS, OPEN_A, OPEN_B
 
 SIDES = 2
@@ -42,7 +42,7 @@ def shut_valves(number: int = _PAPER_VALVES) -> ValveState:
     )
 
 
-@kernel
+@lending_kernel
 def command(valves: ValveState, valve: int, wanted: float, due: float) -> None:
     """Give a valve a new command that takes hold at time ``due`` [s].
 
@@ -69,7 +69,7 @@ def command(valves: ValveState, valve: int, wanted: float, due: float) -> None:
     valves.counters[1] += 1
 
 
-@kernel
+@lending_kernel
 def advance(valves: ValveState, time: float, step: float, ramp: float) -> bool:
     """Move all valves from ``time`` over ``step`` [s]; return whether any moved.
 
@@ -87,7 +87,7 @@ def advance(valves: ValveState, time: float, step: float, ramp: float) -> bool:
     return moved
 
 
-@kernel
+@lending_kernel
 def quiet(valves: ValveState, until: float) -> bool:
     """Return whether no valve moves, or starts to, before ``until`` [s]."""
     for k in range(valves.counters[1]):
@@ -97,7 +97,7 @@ def quiet(valves: ValveState, until: float) -> bool:
     return True
 
 
-@kernel
+@lending_kernel
 def _advance_one(valves: ValveState, valve: int, time: float, step: float, ramp: float) -> bool:
     moved = False
     now, end = time, time + step
@@ -113,7 +113,7 @@ def _advance_one(valves: ValveState, valve: int, time: float, step: float, ramp:
     return _ramp(valves, valve, end - now, ramp) or moved
 
 
-@kernel
+@lending_kernel
 def _ramp(valves: ValveState, valve: int, step: float, ramp: float) -> bool:
     gap = valves.target[valve] - valves.opening[valve]
     if gap == 0:
@@ -126,7 +126,7 @@ def _ramp(valves: ValveState, valve: int, step: float, ramp: float) -> bool:
     return True
 
 
-@kernel
+@lending_kernel
 def open_valves(
     valves: ValveState, edge: FloatArray, lines: FloatArray, opened: FloatArray
 ) -> None:
@@ -157,7 +157,7 @@ def open_valves(
         opened[OPEN_A, found] = opened[OPEN_B, found] = 0.0
 
 
-@kernel
+@lending_kernel
 def add_open(
     line: int, open_a: float, open_b: float, place: int, lines: FloatArray, opened: FloatArray
 ) -> None:
@@ -167,7 +167,7 @@ def add_open(
     opened[OPEN_A, place], opened[OPEN_B, place] = open_a, open_b
 
 
-@kernel
+@lending_kernel
 def copy_open(opened: FloatArray, source: FloatArray) -> None:
     """Fill a table of open lines from another."""
     for row in range(opened.shape[0]):

@@ -7,6 +7,7 @@ certificates are the box's.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field, replace
 from typing import TYPE_CHECKING, Any
 
@@ -161,6 +162,8 @@ def against(problem: BoxedLoop, found: Bound, limit: float) -> tuple[Bound, Grou
     The limit is the largest allowed, for a disk margin the smallest.
     """
     name, tolerance = (found.loop, found.path, found.figure), TOLERANCE
+    if math.isinf(found.gap):  # given up: a finer one is harder yet
+        tolerance = 0.0
     if _astride(found, limit) and found.path == "sampled" and problem.measured == "estimator":
         found, tolerance = aimed(problem, found, limit), 0.0  # finer ones close nothing there
     while _astride(found, limit) and tolerance > _FINEST:

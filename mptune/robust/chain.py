@@ -117,13 +117,14 @@ def gain_limit(holds: Callable[[float], bool], relative: float = 1e-6) -> float:
     One crossing is assumed between the factors tried: doubling, or halving, then bisection until
     the bracket is ``relative`` wide. NaN where even the smallest factor does not hold.
     """
-    low, high = 1.0, 1.0
+    low, high = 1.0, 2.0
     if holds(1.0):
         while holds(high):
             low, high = high, 2 * high
             if low >= LARGEST:
                 return float("inf")
     else:
+        low, high = 0.5, 1.0
         while not holds(low):
             low, high = low / 2, low
             if high <= SMALLEST:

@@ -89,20 +89,37 @@ def _size_at(
 
 
 @kernel
-def margins_of(
+def gains_on(
     which: int,
     omega: FloatArray,
     plant: JudgedPlant,
     gains: LoopGains,
     path: MeasurementPath,
+) -> ComplexArray:
+    """Return the loop gain on a grid, ``(F,)``."""
+    loop = np.empty(len(omega), np.complex128)
+    for f in range(len(omega)):
+        loop[f] = gain_at(which, omega[f], plant, gains, path)
+    return loop
+
+
+@kernel
+def margins_of(
+    which: int,
+    omega: FloatArray,
+    loop: ComplexArray,
+    plant: JudgedPlant,
+    gains: LoopGains,
+    path: MeasurementPath,
 ) -> FloatArray:
-    """Return the margins of one loop in the order of ``Margins``, ``(FIGURES,)``."""
+    """Return the margins of one loop in the order of ``Margins``, ``(FIGURES,)``.
+
+    ``loop`` ``(F,)`` is its gain at ``omega``, see ``gains_on``.
+    """
     points = len(omega)
-    loop = np.empty(points, np.complex128)
     kinds = 4 if which in (FORCE, SAMPLED) else 3  # compliance is the whole loop's
     size = np.empty((kinds, points))
     for f in range(points):
-        loop[f] = gain_at(which, omega[f], plant, gains, path)
         for kind in range(kinds):
             size[kind, f] = _size(kind, loop[f], omega[f], plant.true.mass)
     row = np.full(FIGURES, np.nan)

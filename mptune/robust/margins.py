@@ -13,17 +13,16 @@ import numba
 import numpy as np
 
 from mptune.arrays import ComplexArray, FloatArray, kernel, parallel_kernel
-from mptune.loops.broken import FORCE, SAMPLED
+from mptune.loops.broken import FORCE, SAMPLED, closed_around, feedbacks
 from mptune.loops.estimated import half_rate
 from mptune.loops.sampled import (
     SampledPlant,
     coefficient_count,
-    sampled_loop,
     sampled_plant,
 )
-from mptune.loops.velocity import plant_at
+from mptune.loops.velocity import plant_at, true_velocity
 from mptune.params.packed import Plant
-from mptune.robust.crossings import FIGURES, JudgedPlant, margins_of, note_factor
+from mptune.robust.crossings import FIGURES, JudgedPlant, gains_on, margins_of, note_factor
 from mptune.summary import tuple_text
 
 if TYPE_CHECKING:
@@ -82,15 +81,42 @@ def family_margins(omega: FloatArray, loops: FamilyLoops) -> Margins:
 def _family_margins(
     omega: FloatArray, plants: Plants, gains: LoopGains, path: MeasurementPath
 ) -> FloatArray:
-    count = len(plants.mass)
+    count, points = len(plants.mass), len(omega)
     table = np.empty((3, count, FIGURES))
     sampled = SampledPlant(np.empty(0), np.empty(0), 0.0, 0.0, np.empty(0))
+    shared = np.empty((2, points), np.complex128)
+    for f in range(points):
+        shared[0, f], shared[1, f] = feedbacks(1j * omega[f], gains, path)
     for n in numba.prange(count):
         none = np.empty(0), np.empty(0, np.complex128)
         plant = JudgedPlant(plant_at(plants, n), sampled, 0.0, none[0], none[1])
+        velocity = np.empty(points, np.complex128)
+        for f in range(points):
+            velocity[f] = true_velocity(1j * omega[f], plant.true)
         for which in range(3):
-            table[which, n, :] = margins_of(which, omega, plant, gains, path)
+            if path.estimator_mass > 0:  # it hears the plant's force: nothing is shared
+                loop = gains_on(which, omega, plant, gains, path)
+            else:
+                loop = _shared_loop(which, omega, velocity, shared, gains.k_p_vel)
+            table[which, n, :] = margins_of(which, omega, loop, plant, gains, path)
     return table
+
+
+@kernel
+def _shared_loop(
+    which: int,
+    omega: FloatArray,
+    velocity: ComplexArray,
+    shared: ComplexArray,
+    k_p_vel: float,
+) -> ComplexArray:
+    """Return a plant's loop gain on a grid, ``(F,)``, from the ``feedbacks`` there ``(2, F)``."""
+    loop = np.empty(len(omega), np.complex128)
+    for f in range(len(omega)):
+        loop[f] = closed_around(
+            which, 1j * omega[f], velocity[f], shared[0, f], shared[1, f], k_p_vel
+        )
+    return loop
 
 
 def sampled_margins(omega: FloatArray, loops: FamilyLoops, period: float) -> Margins:
@@ -118,8 +144,9 @@ def _sampled_margins(
         true = plant_at(plants, n)
         sampled = sampled_plant(true, path, period, size)
         plant = JudgedPlant(true, sampled, period, np.empty(0), np.empty(0, np.complex128))
-        row = margins_of(SAMPLED, omega, plant, gains, path)
-        end = sampled_loop(1j * omega[-1], sampled, gains, period).real  # real at half the rate
+        loop = gains_on(SAMPLED, omega, plant, gains, path)
+        row = margins_of(SAMPLED, omega, loop, plant, gains, path)
+        end = loop[-1].real  # real at half the rate
         if end < 0:
             note_factor(row, -1 / end, omega[-1])
         table[n, :] = row
@@ -146,5 +173,6 @@ def _measured_margins(
     plant = JudgedPlant(Plant(mass, 0.0, 0.0, 0.0, 0.5), sampled, 0.0, omega, force)
     table = np.empty((3, FIGURES))
     for which in range(3):
-        table[which] = margins_of(which, omega, plant, gains, path)
+        loop = gains_on(which, omega, plant, gains, path)
+        table[which] = margins_of(which, omega, loop, plant, gains, path)
     return table

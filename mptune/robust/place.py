@@ -35,7 +35,7 @@ class PlantPoint(Summarised):
     @property
     def headline(self) -> str:
         """The plant and the frequency in one line."""
-        text = f"{self.mass_kg / 1e3:g} t, " + (
+        text = f"{self.mass_kg / 1e3:.4g} t, " + (
             f"measured {self.response}"
             if self.response
             else f"d {1e3 * self.delay_s:.4g} ms, "

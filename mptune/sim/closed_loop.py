@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mptune.arrays import FloatArray, IntArray, kernel
+from mptune.arrays import FloatArray, IntArray, kernel, lending_kernel
 from mptune.force.cost import force_limits, line_pressures
 from mptune.force.select import decide
 from mptune.force.stop import stopped
@@ -158,7 +158,7 @@ def run_ticks(
         )  # fmt: skip
 
 
-@kernel
+@lending_kernel
 def _sensed_position(memory: Memory, signals: SignalSettings) -> float:
     """Return where the position sensor's hysteresis stands [m]."""
     hysteresis = signals.sensors.hysteresis
@@ -169,7 +169,7 @@ def _sensed_position(memory: Memory, signals: SignalSettings) -> float:
     return place
 
 
-@kernel
+@lending_kernel
 def _measure(  # noqa: C901 - one signal after another, in one loop for speed
     memory: Memory,
     machine: Machine,
@@ -222,7 +222,7 @@ def _measure(  # noqa: C901 - one signal after another, in one loop for speed
     know_load(memory.outer, law.ahead, signals, place, force, v_ref)
 
 
-@kernel
+@lending_kernel
 def know_load(
     outer: FloatArray,
     ahead: FeedforwardTuple,
@@ -278,7 +278,7 @@ def _control(
     )
 
 
-@kernel
+@lending_kernel
 def _switch(
     memory: Memory,
     space: SearchSpace,
@@ -296,7 +296,7 @@ def _switch(
                 command(memory.valves, each * side + valve, wanted, now + delay)
 
 
-@kernel
+@lending_kernel
 def _record(row: FloatArray, memory: Memory, x_ref: float, v_ref: float, machine: Machine) -> None:
     state = memory.state
     row[X_REF], row[V_REF] = x_ref, v_ref

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
-from mptune.arrays import FloatArray, inlined_kernel, kernel
+from mptune.arrays import FloatArray, inlined_kernel, kernel, lending_kernel
 from mptune.params.packed import OPEN_ROWS
 from mptune.plant.machine import (
     CONVERTER,
@@ -93,7 +93,7 @@ def new_work(valves: ValveState, lines: FloatArray, edge: FloatArray, states: in
     return work
 
 
-@kernel
+@lending_kernel
 def integrate(
     state: FloatArray,
     energy: FloatArray,
@@ -220,4 +220,4 @@ def _stops(state: FloatArray, machine: Machine) -> None:
 
 
 runge_kutta = inlined_kernel(_stepper(rates, 0))
-runge_kutta_with_lines = kernel(_stepper(rates_with_lines, LINE_STATES))
+runge_kutta_with_lines = lending_kernel(_stepper(rates_with_lines, LINE_STATES))

@@ -185,16 +185,31 @@ def rig_of(study: ResolvedStudy, case: Case, gains: Gains, feedforward: Feedforw
 
 
 def run_case(
-    study: ResolvedStudy, case: Case, gains: Gains, feedforward: Feedforward
+    study: ResolvedStudy,
+    case: Case,
+    gains: Gains,
+    feedforward: Feedforward,
+    *,
+    while_stable: bool = False,
 ) -> CaseResult:
-    """Run one machine through its movement sets; memory does not grow with their number."""
+    """Run one machine through its movement sets; memory does not grow with their number.
+
+    ``while_stable`` ends it after the first set that is not: no later one would mend its status.
+    """
     rig = rig_of(study, case, gains, feedforward)
     random = np.random.default_rng(case.seed)
-    return run_rig(study, case, rig, random, study.study.verification.repeats)
+    repeats = study.study.verification.repeats
+    return run_rig(study, case, rig, random, repeats, while_stable=while_stable)
 
 
 def run_rig(
-    study: ResolvedStudy, case: Case, rig: Rig, random: np.random.Generator, repeats: int
+    study: ResolvedStudy,
+    case: Case,
+    rig: Rig,
+    random: np.random.Generator,
+    repeats: int,
+    *,
+    while_stable: bool = False,
 ) -> CaseResult:
     """Run a rig through ``repeats`` movement sets; ``case`` only names the machine."""
     machine, signals, moves = rig.machine, rig.signals, rig.moves
@@ -230,6 +245,8 @@ def run_rig(
             broken = record.broken[0]
         if number > 0 or repeats == 1:
             sets.append(set_figures(record))
+        if while_stable and _status(sets, broken, finite=True) is not CaseStatus.STABLE:
+            break
     return CaseResult(
         mass_kg=case.mass,
         valve_delay_s=case.valve_delay,

@@ -3,6 +3,7 @@
 The paper says by hand and eye what stands here as rules. What counts as too large an error is
 assumed: a tenth more of the performance index, or a quarter more of the force-error integral, than
 the least seen on the way. W_loss and W_sw draw the pistons out again; W_conv is then raised.
+A machine without converters has W_loss and W_sw alone.
 """
 
 from __future__ import annotations
@@ -41,9 +42,9 @@ class _Walk:
         self._progress = progress
         self._tried = 0
         self._converter = iter(_CONVERTER)  # only ever raised
-        self.weights = start._replace(
-            weight_loss=0.0, weight_switching=0.0, weight_converter=next(self._converter)
-        )
+        self.weights = start._replace(weight_loss=0.0, weight_switching=0.0)
+        if bench.study.study.converters:
+            self.weights = self.weights._replace(weight_converter=next(self._converter))
         self.steps: list[Stage] = []
 
     def keep_pistons_off(self, name: str, weights: Weights) -> bool:
@@ -93,7 +94,8 @@ def by_the_papers_order(
     The weights, and every step on the way.
     """
     walk = _Walk(bench, start, progress)
-    walk.keep_pistons_off("weight_converter", walk.weights)
+    first = "weight_converter" if bench.study.study.converters else "weight_loss"  # from 0 on
+    walk.keep_pistons_off(first, walk.weights)
     for name, ladder in (("weight_loss", _LOSS), ("weight_switching", _SWITCHING)):
         for value in ladder:
             if not walk.keep_pistons_off(name, walk.weights._replace(**{name: value})):

@@ -213,10 +213,8 @@ class WeightSearch:
         own = self._bench.study.study
         values: dict[str, Any] = {
             name: asked.suggest_float(name, *_range(own.controller, name), log=True)
-            for name in _PUBLISHED
+            for name in (*self._weights(), *self._terms())
         }
-        for name in self._terms():
-            values[name] = asked.suggest_float(name, *_range(own.controller, name), log=True)
         if own.controller.horizon == 2:
             values["candidates"] = asked.suggest_int("candidates", *self._candidate_range())
         if "sampling_period" in self._also:
@@ -230,6 +228,11 @@ class WeightSearch:
         return Weights(
             **{name: values.get(name, getattr(own.controller, name)) for name in Weights._fields}
         )
+
+    def _weights(self) -> tuple[str, ...]:
+        """Return which of the three weights are searched: without converters W_conv is none."""
+        converters = self._bench.study.study.converters
+        return tuple(name for name in _PUBLISHED if converters or name != "weight_converter")
 
     def _terms(self) -> tuple[str, ...]:
         """Return the terms of the cost, beside the three weights, that are searched."""
@@ -261,7 +264,7 @@ class WeightSearch:
         """Return weights as the parameters of a trial, moved into the ranges where outside."""
         own = self._bench.study.study
         named: dict[str, Any] = {}
-        for name in (*_PUBLISHED, *self._terms()):
+        for name in (*self._weights(), *self._terms()):
             low, high = _range(own.controller, name)
             named[name] = min(max(getattr(weights, name), low), high)
         if own.controller.horizon == 2:

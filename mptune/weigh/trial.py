@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from itertools import product
 from typing import TYPE_CHECKING, NamedTuple
@@ -111,8 +110,9 @@ class Trial(Summarised):
     @property
     def converter_peak(self) -> float:
         """Largest way of a converter piston from its centre [m]; 0 without converters."""
-        largest = float(self.column("converter_peak_mm").max())
-        return 0.0 if math.isnan(largest) else 1e-3 * largest
+        peaks = np.nan_to_num(self.figures[:, FIGURES.index("converter_peak_mm")])
+        lost = ~np.isfinite(self.figures).any(axis=1)
+        return 1e-3 * float(np.where(lost, _LOST, peaks).max())
 
 
 class Bench:

@@ -1,7 +1,7 @@
 """How fast campaigns are, on two cores and on a cluster, and that their memory stays flat.
 
-Run with ``make bench``. ``MPTUNE_BENCH_RUNS`` makes it shorter; a run is one movement set of 9 s.
-Machines that share their cores with others show too little.
+Run with ``make bench``. ``MPTUNE_BENCH_RUNS=10000`` tells whether memory stays flat at length; a
+run is one movement set of 9 s. Machines that share their cores with others show too little.
 """
 
 import os
@@ -18,7 +18,7 @@ from mptune.params.load import load_study
 
 pytestmark = pytest.mark.bench
 
-RUNS = int(os.environ.get("MPTUNE_BENCH_RUNS", "10000"))
+RUNS = int(os.environ.get("MPTUNE_BENCH_RUNS", "400"))
 FEWER = max(RUNS // 10, 160)
 
 
@@ -59,7 +59,7 @@ def timed(study_file, tmp_path):
     return run
 
 
-def test_two_workers_are_1_8_times_as_fast_as_one_and_memory_stays_flat(timed):
+def test_two_workers_are_1_8_times_as_fast_as_one_and_memory_stays_flat(timed, ratio):
     alone, _ = timed(FEWER, "one", count=1)
     timed(64, "warm", count=2)
     both, result = timed(RUNS, "two", count=2)
@@ -69,11 +69,11 @@ def test_two_workers_are_1_8_times_as_fast_as_one_and_memory_stays_flat(timed):
         f"{gain:.2f} times; in {both.at[-1] - both.at[0]:.0f} s; memory {both.growth():+.1f} MiB "
         f"of {both.bytes[-1] / 2**20:.0f}; {result.failures} failed"
     )
-    assert gain >= 1.8
+    ratio("campaign: two workers over one", gain, least=1.8)
     assert both.growth() < 50
 
 
-def test_a_local_cluster_costs_at_most_15_per_cent(timed):
+def test_a_local_cluster_costs_at_most_15_per_cent(timed, ratio):
     from distributed import LocalCluster
 
     timed(64, "warm", count=2)
@@ -89,4 +89,4 @@ def test_a_local_cluster_costs_at_most_15_per_cent(timed):
         f"{100 * cost:+.1f} %"
     )
     assert np.array_equal(one.figures, other.figures)
-    assert cost <= 0.15
+    ratio("campaign: joblib's rate over a local cluster's", 1 + cost, most=1.15)

@@ -1,6 +1,6 @@
 """Certificates of the paper's study: boxes and time; and at length, that nothing exceeds them.
 
-Run with ``make bench``.
+Run with ``make bench``, at length with ``make trials``.
 """
 
 import math
@@ -85,6 +85,7 @@ def test_every_certificate_of_a_sweep(problem):
             assert found.closed
 
 
+@pytest.mark.trial
 @pytest.mark.parametrize("name", FIGURES, ids="-".join)
 def test_a_million_plants_and_two_hundred_ascents(problem, name):
     found = bound(problem, *name)
@@ -113,6 +114,7 @@ def test_a_million_plants_and_two_hundred_ascents(problem, name):
     assert top <= attained * (1 + 1e-4)
 
 
+@pytest.mark.trial
 def test_a_thousand_random_families():
     rng = np.random.default_rng(2)
     opened = total = 0
@@ -134,6 +136,7 @@ def test_a_thousand_random_families():
     assert opened <= 0.005 * total
 
 
+@pytest.mark.trial
 def test_ten_thousand_boxes_against_interval_arithmetic():
     rng, program = np.random.default_rng(3), reference()
     for k in range(10_000):

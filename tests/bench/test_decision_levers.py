@@ -2,7 +2,7 @@
 
 ``MPTUNE_BENCH_SETS`` movement sets per run are counted (the first is not), ``MPTUNE_BENCH_SEEDS``
 seeds and ``MPTUNE_BENCH_OILS`` oils taken: 20, 3 and 3 are those of the trial that the ranges come
-from, fewer take less time. Run with ``make bench``.
+from, fewer take less time. Run with ``make trials``.
 """
 
 import os
@@ -15,7 +15,7 @@ from mptune.params.load import load_study
 from mptune.verify.verify import Case, run_case
 from mptune.weigh.weigh import search_weights
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 SETS, SEEDS, OILS, TRIALS = (
     int(os.environ.get(f"MPTUNE_BENCH_{name}", default))

@@ -14,7 +14,7 @@ import pytest
 from mptune.params.load import load_study
 from mptune.verify.verify import verify
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 STUDY = Path("studies/boom-estimator/study.toml")
 TRIAL = (

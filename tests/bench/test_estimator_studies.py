@@ -2,7 +2,7 @@
 
 ``MPTUNE_BENCH_SETS`` movement sets per run are counted (the first is not), ``MPTUNE_BENCH_SEEDS``
 seeds taken: 20 and 3 are those of the trial that the limits come from, fewer take less time. All
-masses and oils of the study, valve delays drawn anew at each switching. Run with ``make bench``.
+masses and oils of the study, valve delays drawn anew at each switching. Run with ``make trials``.
 """
 
 import os
@@ -15,7 +15,7 @@ from mptune.params.load import load_study
 from mptune.robust.sweep import sweep
 from mptune.verify.verify import verify
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 SETS, SEEDS = (
     int(os.environ.get(f"MPTUNE_BENCH_{name}", default))

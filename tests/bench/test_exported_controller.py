@@ -1,6 +1,6 @@
 """The exported controller against mptune's own over a minute of simulated time, and its step time.
 
-Recorded are mptune's simulator and controller, 24.5 t and 49 t; run with ``make bench``.
+Recorded are mptune's simulator and controller, 24.5 t and 49 t; run with ``make trials``.
 """
 
 import numpy as np
@@ -19,7 +19,7 @@ from mptune.sim.judge import set_figures
 from mptune.sim.machine_record import record_of
 from mptune.verify.verify import run_case
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 SETS = 7  # of 9 s each
 MASSES = (24500.0, 49000.0)

@@ -10,7 +10,7 @@ import time
 
 import pytest
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 
 def warmed(folder):
@@ -29,11 +29,13 @@ def warmed(folder):
     return spent, {name: float(seconds) for name, seconds in stages}
 
 
-def test_a_cold_start_beside_a_warm_one(tmp_path):
+def test_a_cold_start_beside_a_warm_one(tmp_path, ratio):
     cold, of_cold = warmed(tmp_path)
     warm, of_warm = warmed(tmp_path)
     print(f"cold {cold:.1f} s, warm {warm:.1f} s, ratio {cold / warm:.1f}")
     for stage, seconds in of_cold.items():
         print(f"  {stage}: cold {seconds:.1f} s, warm {of_warm[stage]:.1f} s")
     assert list(of_cold) == list(of_warm)
-    assert warm < cold
+    ratio(
+        "mptune warm: a folder of kernels that is there, over an empty one", warm / cold, most=0.5
+    )

@@ -2,7 +2,7 @@
 
 The front of ``studies/boom-estimator`` from its own gains on, at its own requirements: no more
 compliance than published and less than half the published noise. Each point then runs on the
-machine with ``MPTUNE_BENCH_SETS`` movement sets that no search has seen. Run with ``make bench``.
+machine with ``MPTUNE_BENCH_SETS`` movement sets that no search has seen. Run with ``make trials``.
 """
 
 import os
@@ -17,7 +17,7 @@ from mptune.robust.model import LinearModel
 from mptune.tune.margin_front import margin_front
 from mptune.tune.space import Choice
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 SETS, POINTS = int(os.environ.get("MPTUNE_BENCH_SETS", "4")), 7
 PUBLISHED_COMPLIANCE, PUBLISHED_NOISE = 3.171e-7, 2044.5  # m/N, N

@@ -1,4 +1,4 @@
-"""How long Fig. 3 takes, and how well it agrees with Eq. 11; run with ``make bench``."""
+"""How long Fig. 3 takes, and how well it agrees with Eq. 11; run with ``make trials``."""
 
 import time
 
@@ -8,7 +8,7 @@ from mptune.identify.excitation import Excitation
 from mptune.identify.identify import identify
 from mptune.identify.result import BANDS
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 
 @pytest.mark.parametrize("excitation", list(Excitation))

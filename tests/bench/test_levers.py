@@ -14,7 +14,7 @@ from mptune.robust.grid import first_grid, frequency_range
 from mptune.robust.model import LinearModel
 from mptune.verify.verify import verify
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 DELAY = ("controller.delay_prediction='6.25 ms'",)
 ESTIMATOR = ("estimator.kind='state'", "estimator.bandwidth='40 rad/s'")

@@ -68,6 +68,7 @@ def test_a_simulated_move(boom):
     assert np.median(times) <= 150
 
 
+@pytest.mark.trial
 def test_long_turning_leaves_nothing_behind(page):
     """Five minutes of random turning, some hundreds of rests among them."""
     process, tab = page

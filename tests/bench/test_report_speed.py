@@ -4,7 +4,7 @@ import time
 
 import pytest
 
-from mptune.job.report import draw, linear_part, report, results_of
+from mptune.job.report import draw_chain, draw_machine, linear_part, report, results_of
 from mptune.job.run import run
 
 pytestmark = pytest.mark.bench
@@ -15,7 +15,7 @@ def test_report_of_the_boom_study(load_boom, tmp_path):
     result = run(load_boom(*brief), tmp_path)
     start = time.perf_counter()
     linear = linear_part(result.tuned.sweep, result.moves)
-    figures = draw(result, linear)
+    figures = {**linear.figures, **draw_chain(result.chain), **draw_machine(result.verified)}
     drawn = time.perf_counter()
     pdf, html = report(tmp_path, results_of(tmp_path, result, linear), figures)
     end = time.perf_counter()

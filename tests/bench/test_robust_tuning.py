@@ -1,4 +1,4 @@
-"""How robust the boom's loop can be made as it runs, and what that costs; ``make bench``.
+"""How robust the boom's loop can be made as it runs, and what that costs; ``make trials``.
 
 §5.1's box, filters as they are, both ratios allowed up to 1, at the published gains' peak
 compliance and noise gain. The machine is the nonlinear one, with oil of 1200 MPa.
@@ -16,7 +16,7 @@ from mptune.params.load import load_study
 from mptune.tune.tuner import tune
 from mptune.verify.verify import verify
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 MACHINE = (
     'verification.oil_bulk_moduli=["1200 MPa"]',

@@ -10,7 +10,7 @@ import pytest
 from mptune.job.systems import compare_systems
 from mptune.params.paper import OTHER_SYSTEMS
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 
 def test_the_systems_have_the_figures_that_the_paper_tells(boom):

@@ -13,7 +13,7 @@ import sys
 
 import pytest
 
-pytestmark = pytest.mark.bench
+pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 STEPS = {  # file: as it is, and halved
     "systems/bench.py": ("SUBSTEPS = 10 ", "SUBSTEPS = 20 "),

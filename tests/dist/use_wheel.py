@@ -1,7 +1,8 @@
 """Install the wheel into an environment of its own and use it there: nothing else may be needed.
 
 Run with the interpreter that the environment is to have, from the repository's root, once ``dist``
-holds a wheel. Templates, the report's Typst and CSS files and the C sources must be inside it.
+holds a wheel. Templates, studies, the report's Typst and CSS files and the C sources must be
+inside it.
 """
 
 from __future__ import annotations
@@ -36,6 +37,7 @@ def main() -> None:
         run(python, "-m", "pip", "install", "-q", "-c", constraints, wheel, cwd=place)
         mptune = place / "env" / "bin" / "mptune"
         run(mptune, "new", "loader", cwd=place)
+        run(mptune, "new", "lifter", "--like", "crane", cwd=place)
         study = place / "studies" / "small" / "study.toml"
         study.parent.mkdir()
         study.write_text(SMALL, encoding="utf-8")

@@ -118,7 +118,7 @@ def extremes(study, seed=1, pairs=150):
         for one, other in chosen
         if one.overrides[0].split("=")[0] != other.overrides[0].split("=")[0]
     ]
-    return [*singles, *powers, *mixed, *moves()]
+    return [*singles, *powers, *mixed, *moves(), *lines()]
 
 
 def moves():
@@ -140,3 +140,24 @@ def moves():
     ):
         values = f'speed="{speed}", ramp="{ramp}", duration="{duration}", rest="1 s"'
         yield Extreme("velocity moves", (f'manoeuvre=[{{kind="velocity", {values}}}]',))
+
+
+def lines():
+    """Return machines between other lines: their quantities at both ends, few and many of them."""
+    tank, top = '{kind="tank", pressure="1 MPa"}', '{kind="accumulator", pressure="20 MPa"}'
+    lasts = [f'{{kind="constant", pressure="{p} MPa"}}' for p in ("1.0000001", "14", "1000")]
+    lasts += ['{kind="accumulator", pressure="1000 MPa"}']
+    for margin, standby, lag in itertools.product((0, 100), (0, 1000), ("1 ms", "10 s")):
+        held = f'margin="{margin} MPa", standby="{standby} MPa", lag="{lag}"'
+        lasts.append(f'{{kind="pump", pressure="20 MPa", {held}}}')
+    for last in lasts:
+        yield Extreme("other lines", (f"lines=[{tank}, {last}]",))
+    for share in (1e-300, 1e-6, 0.5, 0.99):
+        made = f'{{kind="converter", between=[1, 3], share={share}}}'
+        yield Extreme("other lines", (f"lines=[{tank}, {made}, {top}]",))
+    for count in (20, 200, 2000):
+        many = (f'{{kind="constant", pressure="{1 + n / 50} MPa"}}' for n in range(1, count))
+        yield Extreme("other lines", (f"lines=[{tank}, {', '.join(many)}]",))
+    for count, states in itertools.product((1, 7, 24, 1000), ("all", "single", "subsets")):
+        text = f'edges={{sizes={[1.0] * count}, states=["{states}"]}}'
+        yield Extreme("many valves", (text, "controller.max_combinations=1000000"))

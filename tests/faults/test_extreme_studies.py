@@ -144,15 +144,22 @@ def test_extreme_studies_end_in_bounded_time_and_memory(study_file, brief):
     picked = np.random.default_rng(len(loading)).permutation(len(loading))[:EXTREMES]
     loading = [loading[place] for place in sorted(picked)]
     print(f"{len(every)} studies, of which {len(loading)} are run")
-    failed = []
-    for one in outcomes(study_file, loading, LONGEST):
-        row = table[one.extreme.kind]
-        row[3], row[4] = max(row[3], one.seconds), max(row[4], one.megabytes)
-        if one.words not in {"done", "refused"} or one.seconds > LONGEST or one.megabytes > MOST:
-            row[2] += 1
-            failed.append(one)
-            print(one)
-    print(f"{'kind':30} {'tried':>6} {'refused':>8} {'failed':>7} {'most s':>7} {'most MB':>8}")
-    for kind, (tried, refused, wrong, seconds, size) in table.items():
-        print(f"{kind:30} {tried:6} {refused:8} {wrong:7} {seconds:7.1f} {size:8.0f}")
+    failed, ran = [], 0
+    try:
+        for one in outcomes(study_file, loading, LONGEST):
+            row, ran = table[one.extreme.kind], ran + 1
+            row[3], row[4] = max(row[3], one.seconds), max(row[4], one.megabytes)
+            if (
+                one.words not in {"done", "refused"}
+                or one.seconds > LONGEST
+                or one.megabytes > MOST
+            ):
+                row[2] += 1
+                failed.append(one)
+                print(one)
+    finally:  # interrupted, what was tried is shown as well
+        print(f"{'kind':30} {'tried':>6} {'refused':>8} {'failed':>7} {'most s':>7} {'most MB':>8}")
+        for kind, (tried, refused, wrong, seconds, size) in table.items():
+            print(f"{kind:30} {tried:6} {refused:8} {wrong:7} {seconds:7.1f} {size:8.0f}")
+        print(f"{ran} were run")
     assert not failed

@@ -34,6 +34,7 @@ pytestmark = [
 SIGNALS = (signal.SIGKILL, signal.SIGTERM, signal.SIGINT)
 KILLS = int(os.environ.get("KILLS", "6"))
 _GONE = 15.0  # s, within which workers end with their main process
+_PATIENCE = 1800.0  # s, after which a command hangs: other work may share the machine
 _DATES = {"date", "gains_date", "content_hash", "gains_hash"}  # of a file: no two runs share them
 _CODE = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)\n"
 _CODE += "from mptune.cli.main import main; main()"
@@ -82,7 +83,7 @@ def killed(line, number, after):
         process.wait(after)
     except subprocess.TimeoutExpired:
         process.send_signal(number)
-    _, err = process.communicate(timeout=120)
+    _, err = process.communicate(timeout=_PATIENCE)
     assert all_gone(process.pid)
     allowed = {0, 1, INTERRUPTED if number == signal.SIGINT else -number}
     assert process.returncode in allowed, err
@@ -137,7 +138,7 @@ def undisturbed(line, folder):
     """Run a command to its end; return its files and the time that it takes [s]."""
     begun = time.monotonic()
     process = start(line)
-    _, err = process.communicate(timeout=300)
+    _, err = process.communicate(timeout=_PATIENCE)
     assert process.returncode in {0, 1}, err
     assert hidden(folder) == []
     return results(folder), time.monotonic() - begun
@@ -155,7 +156,7 @@ def torture(lines, folder, kills, seed, seconds):
             results(folder)
         more = ["--resume"] if line[0] == "campaign" else []
         process = start([*line, *more])
-        _, err = process.communicate(timeout=300)
+        _, err = process.communicate(timeout=_PATIENCE)
         assert process.returncode in {0, 1}, err
         assert all_gone(process.pid)
 
@@ -217,7 +218,7 @@ def test_two_at_once_in_one_folder(prepared, tmp_path, command):
     for line, alone in zip(prepared(command, shared), prepared(command, calm), strict=True):
         undisturbed(alone, calm)
         both = [start(line), start(line)]
-        said = [one.communicate(timeout=300)[1] for one in both]
+        said = [one.communicate(timeout=_PATIENCE)[1] for one in both]
         for one, err in zip(both, said, strict=True):
             tried[one.returncode] += 1
             assert one.returncode in {0, 1, BAD_INPUT}, err

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import contextlib
 import multiprocessing as mp
+import os
 import resource
 import time
 import warnings
@@ -22,7 +23,9 @@ BRIEF = (
     _THERE_AND_BACK,
 )
 _TUNED = {"least", "largest", "two at once"}  # kinds that are tuned as well: a search takes longest
-_PATIENCE = 5  # s by the clock for one of the processor, after which a study hangs
+_PATIENCE = 1.5  # times the longest that a study may take of the processor: then it hangs
+_STANDSTILL = 900.0  # s by the clock, on however busy a machine
+_GLANCE = 1.0  # s
 _FEW = 100_000  # ticks: the nonlinear machine runs as well
 
 
@@ -36,21 +39,24 @@ class Outcome(NamedTuple):
 
 
 def run(study, *, tuned=False):
-    """Sweep a study, check it in time, and draw what a report draws of it; tune it where asked."""
+    """Do what ``sweep`` does, check in time, and draw what a report draws; tune where asked."""
+    from mptune.figures.certificates import certified_worst_cases
     from mptune.figures.moves import move_traces
     from mptune.figures.panels import four_panels
     from mptune.figures.sensitivity import load_response, sensitivity_functions
     from mptune.figures.style import to_svg
-    from mptune.robust.chain import chain
-    from mptune.robust.sweep import sweep
+    from mptune.robust.chain import chain, other_reading
+    from mptune.robust.sweep import sweep, with_radii
     from mptune.sim.sampled import linear_moves
     from mptune.tune.tuner import tune
     from mptune.verify.verify import verify
 
-    swept = sweep(study)
+    swept = with_radii(sweep(study))
     chain(swept)
+    other_reading(swept)
     moves = linear_moves(study)
     figures = (four_panels(swept), sensitivity_functions(swept), load_response(swept))
+    figures += (certified_worst_cases(swept),)
     for figure in (*figures, move_traces(moves)):
         to_svg(figure)
     said = study.study
@@ -83,6 +89,22 @@ def _work(pipe, path, extremes):
         pipe.send((words, time.process_time() - begun, grown / 1024))
 
 
+def _spent(process):
+    """Return the time [s] that a process has taken of the processor."""
+    with open(f"/proc/{process.pid}/stat", encoding="utf-8") as stream:  # noqa: PTH123 - no path of ours
+        ticks = stream.read().rpartition(")")[2].split()[11:13]
+    return sum(map(int, ticks)) / os.sysconf("SC_CLK_TCK")
+
+
+def _answers(pipe, process, longest):
+    """Return whether a study comes to its end within what it may take."""
+    end, most = time.monotonic() + _STANDSTILL, _spent(process) + _PATIENCE * longest
+    while not pipe.poll(_GLANCE):
+        if not process.is_alive() or _spent(process) > most or time.monotonic() > end:
+            return pipe.poll(0)
+    return True
+
+
 def outcomes(path, extremes, longest=20.0):
     """Yield what becomes of each study; one that takes far longer [s] is ended with its process."""
     todo = list(extremes)
@@ -93,7 +115,7 @@ def outcomes(path, extremes, longest=20.0):
         theirs.close()
         ours.recv()
         with contextlib.suppress(EOFError):
-            while todo and ours.poll(_PATIENCE * longest):
+            while todo and _answers(ours, process, longest):
                 yield Outcome(todo[0], *ours.recv())
                 todo.pop(0)
         if todo:

@@ -5,11 +5,13 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
+from contextlib import nullcontext
 
 import numpy as np
 import pytest
 
-from mptune.arrays import frozen
+from mptune import arrays
+from mptune.arrays import frozen, lending_kernel
 
 
 def test_a_frozen_array_cannot_be_changed():
@@ -37,3 +39,10 @@ def test_kernels_work_where_no_cache_can_be_written(tmp_path):
     )
     expected = 13 * (-1 / 42**2 + 2j * 0.55 / 42 + 1) / (0.006j + 1) ** 2 - 22j
     assert complex(done.stdout) == pytest.approx(expected, rel=1e-12)
+
+
+@pytest.mark.compiled
+def test_a_lending_kernel_cannot_make_an_array_that_nobody_would_free(monkeypatch):
+    monkeypatch.setattr(arrays, "kept_for", lambda _function: nullcontext(enter_result=False))
+    with pytest.raises(Exception, match="zeros"):
+        lending_kernel(lambda count: np.zeros(count).sum())(3)

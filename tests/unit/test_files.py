@@ -56,6 +56,22 @@ def test_a_path_under_a_file_is_an_input_error(tmp_path):
     assert fault_of(tmp_path / "file" / "study.toml").rule
 
 
+@pytest.mark.skipif(os.name != "posix", reason="pipes and devices with names of POSIX")
+def test_what_has_no_end_is_not_read(tmp_path):
+    """A study may name any file as its base or table: a pipe would wait, a device never end."""
+    os.mkfifo(tmp_path / "pipe.toml")
+    for path in (tmp_path / "pipe.toml", "/dev/zero"):
+        with pytest.raises(InputError, match="is no regular file"):
+            read_text(path)
+
+
+def test_what_is_too_large_to_be_text_is_not_read(tmp_path):
+    path = tmp_path / "table.csv"
+    with path.open("wb") as stream:
+        stream.truncate(10**12)  # a hole: it takes no room
+    assert "1000000 MB" in fault_of(path).rule
+
+
 @pytest.mark.parametrize("content", [b"", b" \n\t\r\n"])
 def test_an_empty_file_says_so(tmp_path, content):
     path = tmp_path / "empty.toml"

@@ -43,7 +43,8 @@ def beside_the_paper(results: Results) -> Tabular:
     columns = left("Study's own → these")
     for mass in masses:
         columns += right(f"Paper, {mass / 1e3:g} t", f"{mass / 1e3:g} t")
-    return Tabular("Before and after, beside the paper", columns, rows)
+    beside = ", beside the paper" if MEASURED_LOSS.keys() & set(masses) else ""
+    return Tabular(f"Before and after{beside}", columns, rows)
 
 
 def heading(key: str) -> str:

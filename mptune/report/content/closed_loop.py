@@ -39,6 +39,9 @@ if TYPE_CHECKING:
     from mptune.verify.result import CaseResult, VerifyResult
 
 _INDEX, _FINAL = merit("performance_index_ms"), merit("final_error_mm")
+_OF_THE_PAPER = (
+    "The paper's figures are of its published gains; here the gains of the first page were used. "
+)
 
 
 def machine_figure(mass: float) -> str:
@@ -119,11 +122,11 @@ def nonlinear_machine(results: Results) -> Chapter | None:
         *followed_speeds(verified),
         *_measured(verified).titled(),
         Note(
-            "The paper's figures are of its published gains; here the gains of the first page were "
-            "used. Predicted: without fitting. Calibrated: the loss through the reading of "
-            "Q_conv, the force error through the position noise."
+            (_OF_THE_PAPER if papers_masses(verified) else "")
+            + "Predicted: without fitting. Calibrated: the loss through the reading of Q_conv, the "
+            "force error through the position noise."
         ),
-        *_other_systems().titled(),
+        *(_other_systems().titled() if papers_masses(verified) else ()),
         *traces,
         new_page=True,
     )
@@ -191,7 +194,14 @@ def _measured(verified: VerifyResult) -> Tabular:
             )
         ]
     columns = [*right("Mass"), wide("Figure"), *right("Paper", "Here"), *left("Kind")]
-    return Tabular("Beside the paper's measurements (§7)", columns, rows)
+    beside = papers_masses(verified)
+    title = "Beside the paper's measurements (§7)" if beside else "The figures of §7"
+    return Tabular(title, columns, rows)
+
+
+def papers_masses(verified: VerifyResult) -> bool:
+    """Return whether any case has a mass that the paper measured; another machine has none."""
+    return any(case.mass_kg in MEASURED_LOSS for case in verified.cases)
 
 
 _FREE, _FITTED = "predicted", "calibrated"

@@ -38,7 +38,7 @@ def parameters(results: Results) -> Chapter:
         "For this machine Eq. 4 and Eq. 12 give, over the stroke and the oil's range, τ_A = "
         f"{tau_a} and τ_B = {tau_b}. The uncertainty set used is in the table below."
     )
-    return Chapter("Parameters and their sources", [words, *_sections(study)], new_page=True)
+    return Chapter("Parameters and their sources", [words, *_sections(study)])
 
 
 def _sections(study: ResolvedStudy) -> Iterator[Block]:

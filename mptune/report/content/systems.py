@@ -96,10 +96,12 @@ def compared(rows: Sequence[dict[str, Any]]) -> Tabular:
 
 def _told(system: str, mass: float) -> tuple[str, str]:
     """Return what §7 tells of a system's index [ms] and loss [J/mm] on a mass [kg]."""
+    if mass not in MEASURED_LOSS:  # another machine's
+        return "–", "–"
     for one in OTHER_SYSTEMS:
         if one.key == system and one.mass in {None, mass}:
             return one.index, number(one.loss, 3)
-    if system != "this_machine" or mass not in MEASURED_LOSS:
+    if system != "this_machine":
         return "–", "–"
     least, largest = MEASURED_INDEX_RANGE[mass]
     return f"{number(1e3 * least, 2)}–{number(1e3 * largest, 2)}", number(MEASURED_LOSS[mass], 3)

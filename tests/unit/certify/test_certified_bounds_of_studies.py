@@ -8,7 +8,7 @@ import time
 import numpy as np
 import pytest
 
-from mptune.certify.bounds import bound
+from mptune.certify.bounds import BUDGET, bound
 from mptune.certify.climb import figure_at
 from mptune.certify.enclosure import SIDES
 from mptune.certify.form import curve_of, form_of
@@ -219,6 +219,17 @@ def test_what_does_not_close_within_its_budget_says_so_and_holds(varied):
     assert found.attained <= whole.bound
     assert found.bound >= whole.attained
     assert found.gap > 1e-3
+
+
+NOTHING_STABLE = {"k_p_vel": 1e12}  # of no loop that these gains make can the poles be counted
+
+
+@pytest.mark.parametrize("figure", ["equation_17", "equation_21", "complementary_peak"])
+def test_little_is_spent_where_no_loop_is_known_to_be_stable(varied, figure):
+    loop = "velocity" if figure == "equation_17" else "position"
+    found = bound(varied(gains=NOTHING_STABLE), loop, "none", figure)
+    assert not found.closed
+    assert found.boxes < BUDGET / 5
 
 
 @pytest.mark.parametrize("path", ["filters", "sampled"])

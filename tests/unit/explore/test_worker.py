@@ -2,12 +2,17 @@
 
 import os
 import queue
+import shutil
 import time
+from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
 from mptune.errors import InputError
 from mptune.explore.jobs import Ask, refuse_to_overwrite
+from mptune.explore.library import Library
+from mptune.explore.slow_work import SlowWork
 from mptune.explore.worker import Worker
 
 
@@ -52,3 +57,36 @@ def test_no_file_is_written_over_unasked(tmp_path):
     refuse_to_overwrite(path, over=True)
     with pytest.raises(InputError, match=r"\.toml"):
         refuse_to_overwrite(tmp_path / "gains.py", over=True)
+
+
+NO_PATHS = ["\0.toml", "a" * 300 + ".toml", "b" * 5000 + "/a.toml", "\ud800.toml"]
+
+
+@pytest.mark.parametrize("text", NO_PATHS, ids=range(len(NO_PATHS)))
+def test_what_no_file_can_be_called_is_said_on_the_page(text):
+    with pytest.raises(InputError, match="no path that a file can have"):
+        refuse_to_overwrite(Path(text), over=False)
+    said = SimpleNamespace(object="")
+    page = SimpleNamespace(
+        gains_path=SimpleNamespace(value=text), over=SimpleNamespace(visible=False), message=said
+    )
+    slow = SlowWork(page, lambda action: action())
+    slow.save(None, lambda: None, over=False)
+    slow.close()
+    assert "no path that a file can have" in said.object
+    assert not slow.worker.busy
+
+
+@pytest.mark.skipif(os.name != "posix", reason="names of POSIX")
+def test_neighbours_of_any_name_are_offered_under_one_that_a_page_can_show(tmp_path, study_file):
+    for name in (b"boom", b"\xff\xfe", b"<b>", b"a\nb"):
+        folder = tmp_path / os.fsdecode(name)
+        folder.mkdir()
+        shutil.copy(study_file, folder / "study.toml")
+    library = Library.around(tmp_path / "boom" / "study.toml")
+    assert len(library.names) == 4
+    for name in library.names:
+        assert name.encode().isascii()
+        assert name.isprintable()
+        assert "<" not in name
+        assert library.load(name, "").name == name

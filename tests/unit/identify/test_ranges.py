@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tomllib
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -53,17 +54,32 @@ def test_one_record_s_range_is_its_interval():
 
 
 @pytest.mark.parametrize(
-    ("certainty", "tau_b", "good"),
+    ("certainty", "either", "good"),
     [
-        (Certainty.DETERMINED, (6, 1, 11), True),
-        (Certainty.ORDER_UNKNOWN, (6, 4, 11), True),
-        (Certainty.ORDER_UNKNOWN, (6, 3, 11), False),
-        (Certainty.ILL_DETERMINED, (6, 4, 11), False),
-        (Certainty.NOT_CONVERGED, (6, 5, 7), False),
+        (Certainty.DETERMINED, False, True),
+        (Certainty.ORDER_UNKNOWN, True, True),
+        (Certainty.ORDER_UNKNOWN, False, False),
+        (Certainty.ILL_DETERMINED, True, False),
+        (Certainty.NOT_CONVERGED, True, False),
     ],
 )
-def test_a_fit_is_good_whichever_lag_is_whose_if_the_intervals_are_narrow(certainty, tau_b, good):
-    assert a_fit("rig", (10, 9, 11), tau_b, (12, 11, 13), certainty).good is good
+def test_a_fit_is_good_whichever_lag_is_whose_if_each_order_is_determined(certainty, either, good):
+    found = a_fit("rig", (10, 9, 11), (6, 2, 18), (12, 11, 13), certainty)
+    assert replace(found, either_order_determined=either).good is good
+
+
+@pytest.mark.parametrize(("noise", "good"), [(1e-3, True), (2e-2, False)])
+def test_lags_far_apart_may_stand_in_either_order_but_not_in_noise(noise, good):
+    """The ends of intervals that hold both orders are as far apart as the lags, five times here."""
+    omega = np.geomspace(2, 80, 40)
+    value = model(omega, np.array([4e-3, 20e-3, 12e-3]), 0.5)  # equal areas: no order at all
+    rng = np.random.default_rng(5)
+    value *= 1 + noise * (rng.standard_normal(40) + 1j * rng.standard_normal(40))
+    every = np.full(40, np.nan)
+    found = fit(FrequencyResponse(omega, value, every, "rig"), 0.5)
+    assert found.certainty is Certainty.ORDER_UNKNOWN
+    assert found.tau_a.high > 4 * found.tau_a.low
+    assert found.good is good
 
 
 def test_ranges_of_even_draws_reach_the_machine_s_ends_on_average():

@@ -468,3 +468,19 @@ def test_a_set_of_the_base_names_files_beside_the_base(write, tmp_path):
     write("base/study.toml", text.replace("[uncertainty.sets.section-5-1]", named))
     path = write("crane/study.toml", 'base = "../base/study.toml"\n')
     assert load_study(path, uncertainty="section-5-1").uncertainty.measured[0].name == "rig"
+
+
+def test_a_chain_of_bases_has_an_end(write, base):
+    """Each file of a folder could name the next."""
+    base(name="0.toml")
+    for number in range(1, 40):
+        path = write(f"{number}.toml", f'base = "{number - 1}.toml"\n')
+        if number == 30:
+            assert load_study(path).study
+    with pytest.raises(InputError, match="more than 30 bases"):
+        load_study(path)
+
+
+def test_what_no_study_is_as_long_as_is_refused_before_it_is_parsed(write):
+    with pytest.raises(InputError, match=r"11·10⁶ characters"):
+        load_study(write("a.toml", "#" * 11_000_000))

@@ -1,5 +1,7 @@
 """Lines and edges of a study: what they make, and what is refused."""
 
+import time
+
 import numpy as np
 import pytest
 
@@ -8,7 +10,7 @@ from mptune.params.line_table import line_table
 from mptune.params.lines import Edges, SupplyLine, nominal_pressures, supplies_of
 from mptune.params.load import load_study
 from mptune.params.packed import BASE, FROM_LOWEST, FROM_STEADY, MADE_BY, RESTS, SHARE
-from mptune.params.valve_states import EdgeRule, StateKind, valve_states
+from mptune.params.valve_states import EdgeRule, StateKind, number_of_states, valve_states
 
 TANK = '{kind = "tank", pressure = "1 MPa"}'
 SEVEN = '{kind = "constant", pressure = "7 MPa"}'
@@ -36,6 +38,7 @@ def lines(*texts):
         ((TANK, converter(1, 4), converter(2, 4), TOP), "a converter"),
         ((TANK, SEVEN, converter(1, 2)), "last line"),
         ((TANK, converter(1, 3), PUMP), "below a pump"),
+        ((TANK, converter("true", 3), TOP), "valid integer"),
         ((TANK, '{kind = "constant"}'), "no pressure"),
         ((TANK, '{kind = "constant", pressure = "7 MPa", share = 0.5}'), "a share"),
     ],
@@ -91,6 +94,27 @@ def test_too_many_combinations_are_refused_with_their_number(load_boom):
     with pytest.raises(InputError, match=f"{(1 + 6 * 31) ** 2} combinations"):
         load_boom(edges, corners=True)
     load_boom(edges, "controller.max_combinations=40000", corners=True)
+
+
+@pytest.mark.parametrize(
+    ("override", "words"),
+    [
+        (f'edges={{sizes={[1] * 24}, states=["subsets"]}}', "over 10000 states"),
+        (f"edges.sizes={[1] * 5000}", "30000 valves of a side"),
+        ("controller.max_combinations=1000000000", "at most"),
+    ],
+)
+def test_states_that_nobody_could_count_are_refused_at_once(load_boom, override, words):
+    """Every choice among 24 valves of one line makes 17 million of them."""
+    begun = time.process_time()
+    with pytest.raises(InputError, match=words):
+        load_boom(override, corners=True)
+    assert time.process_time() - begun < 5
+
+
+@pytest.mark.parametrize("most", [1, 27, 28, 100])
+def test_states_are_counted_as_far_as_asked(boom, most):
+    assert number_of_states(boom.study.edge_rule, most) == min(28, most + 1)
 
 
 @pytest.mark.parametrize(

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import pytest
+import tomlkit
+from hostile import TEXTS
 
 from mptune.errors import InputError
 from mptune.params.load import load_study
@@ -58,6 +60,30 @@ def test_a_new_set_may_be_written_in_one_override(study_file):
     box = '{mass=["1 t", "2 t"], delay=["5 ms", "9 ms"], tau_a="derived", tau_b="derived"}'
     study = load_study(study_file, [f"uncertainty.sets.small={box}"], "small")
     assert study.uncertainty.mass == (1e3, 2e3)
+
+
+def study_with_set(study_file, tmp_path, name):
+    """Write the study with a set of any name."""
+    document = tomlkit.parse(study_file.read_text(encoding="utf-8"))
+    document["uncertainty"]["sets"][name] = dict(document["uncertainty"]["sets"]["section-5-1"])
+    path = tmp_path / "study.toml"
+    path.write_text(tomlkit.dumps(document), encoding="utf-8")
+    return path
+
+
+NAMES = [text for text in (*TEXTS, "a.mass", "a=b", "[a]") if text and "\udcff" not in text]
+
+
+@pytest.mark.parametrize("name", NAMES, ids=range(len(NAMES)))
+def test_a_set_of_any_name_is_named_by_its_key(study_file, tmp_path, name):
+    """The page turns a set's values by ``--set``: no name may reach beyond its own set."""
+    path = study_with_set(study_file, tmp_path, name)
+    plain = load_study(path, (), name)
+    changed = load_study(path, [f'{plain.key_of("mass")}=["30 t", "40 t"]'], name)
+    assert changed.uncertainty.mass == (30e3, 40e3)
+    before, after = (one.study.uncertainty.sets for one in (plain, changed))
+    assert before.keys() == after.keys()
+    assert all(before[one] == after[one] for one in before if one != name)
 
 
 def test_the_last_of_several_overrides_wins(study_file):

@@ -233,6 +233,20 @@ def test_section_7_is_beside_with_what_is_predicted_and_what_calibrated(text):
     assert "calibrated" in after
 
 
+def test_another_machine_is_beside_no_measurement_of_the_paper(job, tmp_path):
+    cases = tuple(replace(case, mass_kg=case.mass_kg + 1) for case in job.verified.cases)
+    moves = tuple(replace(move, mass_kg=move.mass_kg + 1) for move in job.moves)
+    changes = tuple(replace(one, mass_kg=one.mass_kg + 1) for one in job.changes)
+    other = {"verified": replace(job.verified, cases=cases), "changes": changes}
+    other |= {"moves": moves, "moves_before": moves, "verified_before": None}
+    for text in written(tmp_path, changed(job, tmp_path, **other)):
+        words = " ".join(text.split())
+        assert "The figures of" in words
+        assert "Before and after" in words
+        for of_the_paper in ("beside the paper", "Other systems that", "published gains; here"):
+            assert of_the_paper.lower() not in words.lower()
+
+
 def test_discrete_coefficients_are_those_of_tustin(job, text):
     text = squeezed(text).replace("−", "-")
     law = discretise(pack_gains(job.tuned.gains), job.study.study.controller.sampling_period)
@@ -254,7 +268,7 @@ def test_studies_stand_in_one_table_and_figure(job, tmp_path, monkeypatch):
     from mptune.job import studies as job_of_studies
 
     monkeypatch.setattr(job_of_studies, "run", lambda *_: job)
-    found = run_studies([job.study, job.study], tmp_path)
+    found = run_studies([job.study, job.study.model_copy(update={"name": "other"})], tmp_path)
     rows = rows_of(job)
     assert list(found.rows) == [*rows, *rows]
     assert [(row["gains"], row["mass_kg"]) for row in rows] == [

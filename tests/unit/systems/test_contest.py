@@ -162,7 +162,7 @@ def test_what_the_paper_tells_stands_on_the_mass_that_it_tells_it_of(result):
     row = result.runs[-1].json()
     told = {}
     for system in ("this_machine", "steady_state", "load_sensing", "beside_1"):
-        for mass in (24.5e3, 49e3):
+        for mass in (24.5e3, 49e3, 60e3):
             shown = compared([{**row, "system": system, "mass_kg": mass}]).rows[0]
             told[system, mass] = (shown[5], shown[7])
     assert told["this_machine", 24.5e3] == ("13–30", "19.5")
@@ -170,7 +170,7 @@ def test_what_the_paper_tells_stands_on_the_mass_that_it_tells_it_of(result):
     assert told["steady_state", 24.5e3] == ("–", "–")
     assert told["steady_state", 49e3] == ("–", "15.9")
     assert told["load_sensing", 24.5e3] == told["load_sensing", 49e3] == ("> 100", "45")
-    assert told["beside_1", 49e3] == ("–", "–")
+    assert told["beside_1", 49e3] == told["load_sensing", 60e3] == ("–", "–")
 
 
 def test_a_system_is_named_though_its_literature_s_run_did_not_stand(result):
@@ -180,3 +180,16 @@ def test_a_system_is_named_though_its_literature_s_run_did_not_stand(result):
     assert [line.get_markerfacecolor() for line in axes.lines if line.get_marker() == "o"] == [
         "white"
     ]
+
+
+def test_no_mass_is_drawn_beyond_the_axes():
+    """The panels share them, and the second one's loss is the larger."""
+    rows = [
+        {"kind": "run", "stable": True, "system": "this_machine", "title": "this machine",
+         "mass_kg": mass, "controller": "literature", "performance_index_ms": 2.0,
+         "energy_loss_j_per_mm": loss}
+        for mass, loss in ((300.0, 2.0), (600.0, 3.0))
+    ]  # fmt: skip
+    for axes in loss_over_index(rows).axes:
+        assert axes.get_ylim()[0] == 0
+        assert axes.get_ylim()[1] > 3

@@ -56,6 +56,14 @@ def test_what_breaks_a_limit_is_not_on_the_front(broken):
     assert front([trial((20.0, 15.0, 40.0, 800.0)), better], LIMITS) == (0,)
 
 
+def test_without_converters_none_goes_anywhere():
+    """Their figure is none; a run that has no figure at all is lost."""
+    none = trial((20.0, 15.0, 40.0, 800.0), converter=np.nan)
+    assert none.converter_peak == 0
+    lost = Trial(OWN, SEEDS, np.full_like(none.figures, np.nan), 4)
+    assert lost.converter_peak > 100
+
+
 def test_limits_are_the_controllers_or_what_the_own_weights_do(boom):
     inside = limits_of(boom, trial((20.0, 15.0, 40.0, 800.0), pressure=15.0))
     beyond = limits_of(boom, trial((20.0, 15.0, 40.0, 800.0), pressure=17.0))

@@ -6,6 +6,7 @@ import pytest
 from mptune.campaign.workers import Workers
 from mptune.errors import InputError
 from mptune.params.controller import Controller
+from mptune.params.load import load_study
 from mptune.weigh.procedure import STEPS, by_the_papers_order
 from mptune.weigh.search import open_search
 from mptune.weigh.trial import (
@@ -89,6 +90,23 @@ def test_the_papers_order_stops_each_weight_where_its_error_grows(boom):
     order = [step.weight for step in steps]
     assert order == sorted(order, key=["weight_converter", "weight_loss", "weight_switching"].index)
     assert [step.kept for step in steps].count(False) == len(steps) - 1 - 4 - 5
+
+
+def test_without_converters_their_weight_is_left_alone(root, tmp_path):
+    study = load_study(root / "studies" / "three-pressure" / "study.toml")
+    own, limits = own_weights(study), Limits(np.inf, 0.0, 20e6)
+    weights, steps = by_the_papers_order(Modelled(study), own)
+    assert {step.weight for step in steps} == {"weight_loss", "weight_switching"}
+    assert weights.weight_converter == own.weight_converter
+
+    class Model(Bench):
+        def tried(self, weights):
+            return Modelled(study).tried(weights)
+
+    storage = f"sqlite:///{tmp_path / 'one.db'}"
+    trials = open_search(Model(study, TEAM), storage).run(5, (own,), limits)
+    assert {one.weights.weight_converter for one in trials} == {own.weight_converter}
+    assert len({one.weights.weight_loss for one in trials}) == 5
 
 
 def test_the_papers_order_tells_how_far_it_is(boom):
