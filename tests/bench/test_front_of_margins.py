@@ -14,13 +14,14 @@ import pytest
 from mptune.job.margin_front import on_the_machine
 from mptune.params.load import load_study
 from mptune.robust.model import LinearModel
-from mptune.tune.margin_front import LARGEST, margin_front
+from mptune.tune.margin_front import margin_front
 from mptune.tune.space import Choice
 
 pytestmark = [pytest.mark.bench, pytest.mark.trial]
 
 SETS, POINTS = int(os.environ.get("MPTUNE_BENCH_SETS", "4")), 7
 PUBLISHED_COMPLIANCE, PUBLISHED_NOISE = 3.171e-7, 2044.5  # m/N, N
+REACHED = 0.7  # at the study's 700 N of noise
 LONGEST = 150.0  # s of one processor for the search and its certificates
 
 
@@ -46,7 +47,7 @@ def test_index_rises_with_the_margin(root):
         assert one.noise_force <= 0.5 * PUBLISHED_NOISE
         assert one.guaranteed > 0
     assert len(points) >= 6
-    assert points[-1].asked == pytest.approx(LARGEST)
+    assert points[-1].figures.disk_margin >= REACHED
     linear = [one.figures.tracking for one in points]
     assert linear == sorted(linear)
     assert np.isfinite([row["performance_index_ms"] for row in rows]).all()
