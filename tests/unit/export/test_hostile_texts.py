@@ -77,8 +77,8 @@ def test_no_text_changes_the_code_of_any_c_file(controllers):
             assert max(map(len, text.splitlines())) < 4095
 
 
-DATA = ("study", "ports", "lines", "valves", "switches")
-TYPES = ("parameters", "port", "line", "real", "choice")
+DATA = ("study", "ports", "lines", "chambers", "valves", "switches")
+TYPES = ("parameters", "port", "line", "size", "real", "choice")
 
 
 @pytest.mark.parametrize("compiler", COMPILERS, ids=lambda one: one[0].rsplit("/", 1)[-1])
