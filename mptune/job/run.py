@@ -42,7 +42,7 @@ from mptune.robust.store import write_sweep
 from mptune.robust.sweep import sweep, with_radii
 from mptune.sim.sampled import linear_moves
 from mptune.tune.baselines import baselines
-from mptune.tune.papers_frame import in_papers_frame
+from mptune.tune.papers_frame import has_papers_frame, in_papers_frame
 from mptune.tune.tuner import tune
 from mptune.verify.before_after import changes
 from mptune.verify.checks import machine_checks
@@ -168,7 +168,7 @@ def _judged(
         beside = SideWork(thread.submit(linear_part, tuned.sweep, moves))
         verified = before = frame = None
         if judgement.word in _WORTH_RUNNING:
-            if study.study.verification.papers_frame:
+            if has_papers_frame(study):
                 beside = beside._replace(in_frame=thread.submit(tune, in_papers_frame(study)))
             verified, before = _verified(study, exported, own, progress)
             beside = beside._replace(machine=thread.submit(draw_machine, verified))

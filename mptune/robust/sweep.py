@@ -68,7 +68,7 @@ def sweep(
     model = study if isinstance(study, LinearModel) else LinearModel.of(study)
     gains = gains or model.study.study.gains
     packed = model.loops(gains).gains
-    omega, found, converged = _refined_sides(model, packed)
+    omega, found, converged = refined_sides(model, packed)
     families = tuple(true_family(model, packed, path, omega) for path in model.paths)
     by_path = {family.path: family for family in families}
     true, of_equations = by_path[model.judged_path], by_path[model.path_name]
@@ -111,10 +111,25 @@ def with_radii(swept: SweepResult) -> SweepResult:
     return replace(swept, certificates=replace(proofs, radii=radii))
 
 
-def _refined_sides(
+def refined_sides(
     model: LinearModel, gains: LoopGains
 ) -> tuple[FloatArray, Sides, tuple[bool, bool]]:
-    """Evaluate both conditions on a grid that is refined until the worst ratios stand still."""
+    """Evaluate both conditions on a grid that is refined until the worst ratios stand still.
+
+    Parameters
+    ----------
+    model, gains
+        What is swept.
+
+    Returns
+    -------
+    omega
+        ``(F,)`` frequencies [rad/s], rising.
+    found
+        Both sides at each of them.
+    converged
+        Whether the worst ratio of Eq. 17 and of Eq. 21 stood still within the budget of rounds.
+    """
     low, high = frequency_range(model.plants, model.nominal, gains)
     omega = first_grid(low, high)
     if model.members is not None:

@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 _CORNERS = 2  # points per range
 
 
+def has_papers_frame(study: ResolvedStudy) -> bool:
+    """Return whether a study is to be tuned in that frame too; it knows no state estimator."""
+    return study.study.verification.papers_frame and study.study.estimator.kind == "filters"
+
+
 def in_papers_frame(study: ResolvedStudy) -> ResolvedStudy:
     """Return a study that asks what the paper asks.
 

@@ -166,7 +166,7 @@ class GainSearch:
             worst, more = self._required.grow(choice.gains, by)
             asked, slower = self._judge.grow(choice, self._worth.kinds)
             worst += self._worth.bounded(asked)
-            largest = max(one.excess for one in worst)
+            largest = max((one.excess for one in worst), default=-np.inf)
             plants = self._required.plants + self._judge.plants
             cost = self._worth.of(best.point).cost
             rounds.append(Round(cost, float(np.exp(largest)), plants))
@@ -179,7 +179,7 @@ class GainSearch:
             asked = self._judge.grow(choice, self._worth.kinds)[0]
             by = choice.put_over(self._model).filters
             worst = (*self._required.worst(choice.gains, by), *self._worth.bounded(asked))
-            feasible = max(one.excess for one in worst) <= _MET
+            feasible = all(one.excess <= _MET for one in worst)
         progress("tune", 1.0)
         return Searched(
             choice=self._space.choice(best.point),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from mptune.params.controller import Gains
-from mptune.tune.papers_frame import in_papers_frame
+from mptune.tune.papers_frame import has_papers_frame, in_papers_frame
 from mptune.verify.before_after import FIGURES
 from mptune.verify.beside import beside
 from mptune.verify.result import CaseResult, CaseStatus, VerifyResult
@@ -55,3 +55,9 @@ def test_only_sets_that_both_have_run_are_compared():
         "switches."
     )
     assert "14.00 → 10.00 ms on paper. On the machine those gains are worse in" in one.headline
+
+
+def test_around_a_state_estimator_there_is_no_paper_s_frame(boom, load_boom):
+    assert has_papers_frame(boom)
+    assert not has_papers_frame(load_boom('estimator.kind="state"'))
+    assert not has_papers_frame(load_boom("verification.papers_frame=false"))
