@@ -192,8 +192,8 @@ class Verification(Section):
     repeats: int = quantity("1", "n", "movement sets per case", 1, at_least=1, at_most=100_000)
     papers_frame: bool = Field(
         default=False,
-        description="whether run tunes in the paper's own frame as well, for comparison; never around "
-        "a state estimator, which that frame does not know",
+        description="whether run tunes in the paper's own frame as well, for comparison; never "
+        "around a state estimator, which that frame does not know",
     )
     duty: float = quantity(
         "1", "η", "share of the year in which the machine does these moves", 0.1,
