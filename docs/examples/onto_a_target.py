@@ -55,6 +55,7 @@ class Inputs(ctypes.Structure):
         *[(f"reference_{n}", ctypes.c_double) for n in range(3)],  # position and its derivatives
         *[(name, ctypes.c_double) for name in ("position", "p_a", "p_b", "p_high", "p_low")],
         ("converter", ctypes.c_double * 4),
+        ("further", ctypes.c_double * 1),  # pressures of chambers behind A and B: here none
     ]
 
 
@@ -63,7 +64,8 @@ class Outputs(ctypes.Structure):
 
     _fields_ = [
         ("valve", ctypes.c_uint8 * 24),
-        *[(name, ctypes.c_uint8) for name in ("state_a", "state_b", "stopped", "decided")],
+        *[(name, ctypes.c_uint8) for name in ("state_a", "state_b", "state_further")],
+        *[(name, ctypes.c_uint8) for name in ("stopped", "decided")],
         ("fault", ctypes.c_uint32),
         ("force_reference", ctypes.c_double),
     ]
