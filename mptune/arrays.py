@@ -52,7 +52,7 @@ def _compiled(
             error_model="numpy",
             parallel=parallel,
             forceinline=inlined,
-            _nrt=counted,
+            _nrt=counted,  # numba has no public name for it; what makes an array does not compile
         )
         return cast("_Function", decorate(function))
 

@@ -17,8 +17,9 @@ from mptune.escaping import printable
 from mptune.files import make_folder, read_text, write_whole
 from mptune.params.gains import GainsFile, gains_for, read_gains
 from mptune.params.judged_on import differences, judged_on, refuse_other_controller
-from mptune.params.load import load_study, parse_toml
+from mptune.params.load import load_study
 from mptune.params.study import CHOSEN
+from mptune.params.toml_text import parse_toml
 from mptune.progress import silent
 from mptune.robust.headline import judge_sweep
 from mptune.robust.sweep import sweep

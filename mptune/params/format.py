@@ -15,7 +15,8 @@ from mptune.errors import Fault, InputError
 if TYPE_CHECKING:
     from pathlib import Path
 
-FORMAT_KEY = "format"
+FORMAT_KEY, BASE_KEY = "format", "base"
+OF_A_FILE = (FORMAT_KEY, BASE_KEY)  # keys that are no part of what a study says
 _FIRST = 1
 
 

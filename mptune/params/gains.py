@@ -25,9 +25,10 @@ from mptune.params.estimator import Estimator
 from mptune.params.format import FORMAT_KEY, GAINS_FORMAT
 from mptune.params.headline import Headline
 from mptune.params.judged_on import Difference, differences, refuse_other_controller
-from mptune.params.load import faults_of, parse_toml
+from mptune.params.load import faults_of
 from mptune.params.section import Section
 from mptune.params.study import CHOSEN
+from mptune.params.toml_text import parse_toml
 from mptune.summary import Summarised
 
 if TYPE_CHECKING:
