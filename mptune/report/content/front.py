@@ -208,7 +208,8 @@ def requirements(checks: Iterable[Check]) -> Tabular:
         ]
         for check in checks
     ]
-    columns = [*left("Requirement", "Limit"), *right("Found"), *left("Verdict", "Rests on")]
+    # A requirement on the machine names its case, which is long.
+    columns = [wide("Requirement"), *left("Limit"), *right("Found"), *left("Verdict", "Rests on")]
     columns.append(wide("Where", detail=True))
     return Tabular("Requirements", columns, rows, legend=_GROUNDS)
 

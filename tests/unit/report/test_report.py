@@ -55,6 +55,12 @@ def written(path, results):
     return text_of(pdf), html.read_text(encoding="utf-8")
 
 
+def written_pages(path, results):
+    """Return the text of each page of a report, written without figures."""
+    pdf, _ = write_report(path / "pages", results, {})
+    return [page.extract_text() for page in pypdf.PdfReader(pdf).pages]
+
+
 def pdf_of(job):
     return next(path for path in job.files if path.suffix == ".pdf")
 
@@ -221,6 +227,16 @@ def test_no_page_of_the_pdf_is_all_but_empty_and_all_are_numbered(job):
         assert len(text) > 400 or drawn > 20_000
         if number > 1:
             assert job.study.hash()[:12] in text
+
+
+@pytest.mark.parametrize("doubts", [0, 6])
+def test_contents_that_run_over_have_no_page_to_themselves(job, tmp_path, doubts):
+    study = job.study.model_copy(update={"doubts": job.study.doubts[:1] * doubts})
+    results = replace(changed(job, tmp_path), study=study)
+    pages = written_pages(tmp_path, results)
+    chapter = next(n for n, page in enumerate(pages) if "Both inequalities" in page and n > 0)
+    assert chapter == 1
+    assert ("11 Where mptune" in pages[1]) == (doubts > 0)  # their last line
 
 
 def test_section_7_is_beside_with_what_is_predicted_and_what_calibrated(text):
