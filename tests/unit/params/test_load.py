@@ -3,29 +3,9 @@
 from __future__ import annotations
 
 import pytest
+from refusals import faults_of, refused
 
-from mptune.errors import InputError
 from mptune.params.load import load_study
-
-
-def faults_of(path, overrides=(), uncertainty=""):
-    with pytest.raises(InputError) as caught:
-        load_study(path, overrides, uncertainty)
-    assert caught.value.where == str(path)
-    for fault in caught.value.faults:
-        assert f"{path}: {fault}" in str(caught.value)
-        assert fault.rule
-        assert fault.remedy
-    return caught.value.faults
-
-
-def refused(path, key, rule, remedy=""):
-    """Check the one fault of a file."""
-    (fault,) = faults_of(path)
-    assert fault.key == key
-    assert rule in fault.rule
-    assert remedy in fault.remedy
-    return fault
 
 
 def test_the_boom_study_loads_in_si(boom):
@@ -280,69 +260,8 @@ def test_a_source_that_says_nothing_is_refused(write_study, key, source, rule):
     refused(path, f"sources.{key}", rule, '"cylinder.bore" = "derived: how"')
 
 
-def test_a_missing_file_is_an_input_error(tmp_path):
-    refused(tmp_path / "study.toml", "", "does not exist", "start a study with `mptune new NAME`")
-
-
-def test_a_folder_is_an_input_error(tmp_path):
-    refused(tmp_path, "", "folder", "file inside")
-
-
-def test_an_empty_file_is_an_input_error(tmp_path):
-    path = tmp_path / "study.toml"
-    path.touch()
-    refused(path, "", "empty")
-
-
-def test_a_file_that_is_not_utf_8_is_an_input_error(tmp_path, study_file):
-    path = tmp_path / "study.toml"
-    path.write_bytes(study_file.read_text(encoding="utf-8").encode("latin-1", "replace") + b"\xe9")
-    refused(path, "", "UTF-8", "UTF-8")
-
-
-def test_a_file_cut_within_a_line_is_an_input_error(tmp_path, study_file):
-    text = study_file.read_text(encoding="utf-8")
-    path = tmp_path / "study.toml"
-    path.write_text(text[: text.index("dead_volume_a") + 20], encoding="utf-8")
-    refused(path, "", "not valid TOML", "line")
-
-
-def test_a_file_cut_between_lines_misses_its_sections(tmp_path, study_file):
-    text = study_file.read_text(encoding="utf-8")
-    path = tmp_path / "study.toml"
-    path.write_text(text[: text.index("[uncertainty]")], encoding="utf-8")
-    missing = {fault.key for fault in faults_of(path) if "missing" in fault.rule}
-    assert {"uncertainty", "gains", "manoeuvre", "verification"} <= missing
-
-
-def test_a_key_given_twice_is_an_input_error(tmp_path, study_file):
-    path = tmp_path / "study.toml"
-    text = study_file.read_text(encoding="utf-8")
-    path.write_text(text.replace('rod = "40 mm"', 'rod = "40 mm"\nrod = "45 mm"'))
-    refused(path, "", "not valid TOML")
-
-
-def test_deeply_nested_brackets_are_an_input_error(tmp_path):
-    path = tmp_path / "study.toml"
-    path.write_text("x = " + "[" * 100_000)
-    refused(path, "", "TOML")
-
-
-def test_windows_line_ends_do_no_harm(tmp_path, study_file, boom):
-    path = tmp_path / "study.toml"
-    path.write_bytes(study_file.read_bytes().replace(b"\n", b"\r\n"))
-    assert load_study(path).hash() == boom.hash()
-
-
 def test_an_unknown_uncertainty_set_names_those_that_are_known(study_file):
     (fault,) = faults_of(study_file, uncertainty="section-5-2")
     assert fault.key == "uncertainty.sets"
     assert fault.value == "section-5-2"
     assert "section-5-1" in fault.remedy
-
-
-def test_the_name_of_a_study_is_its_folder_or_else_its_file(tmp_path, study_file):
-    crane = tmp_path / "crane.toml"
-    crane.write_bytes(study_file.read_bytes())
-    assert load_study(crane).name == "crane"
-    assert load_study(str(study_file)).name == "boom"

@@ -1,4 +1,4 @@
-"""The tuner on the paper's study: what it finds, what limits it, and what it says when nothing can.
+"""The tuner on the paper's study: what it finds, from anywhere, and what limits it.
 
 The figures asked for here are of the worst performance index over the family: 14.43 ms with the
 published gains.
@@ -14,7 +14,7 @@ from mptune.tune.objective import Judge
 from mptune.tune.result import TuneStatus
 from mptune.tune.search import GainSearch
 from mptune.tune.space import Choice
-from mptune.tune.tuner import Tuner, tune
+from mptune.tune.tuner import tune
 from mptune.tune.velocity import largest_velocity_gain
 
 pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
@@ -187,75 +187,6 @@ def test_no_other_start_ends_better(load_boom, tuned_boom):
     assert min(found) < 1.001 * ours  # and one of them ends in the same place
 
 
-# Objectives -------------------------------------------------------------------------------------
-
-
-def tuned_for(load_boom, *objective):
-    return tune(load_boom(*objective, corners=True))
-
-
-@pytest.fixture(scope="module")
-def by_kind(load_boom, tuned_boom):
-    kinds = ("disturbance", "load-step", "bandwidth")
-    found = {kind: tuned_for(load_boom, f'objective.kind="{kind}"') for kind in kinds}
-    return {"tracking": tuned_boom, **found}
-
-
-FIGURE = {
-    "tracking": ("tracking", -1),
-    "disturbance": ("integral_gain", 1),
-    "load-step": ("load_step", -1),
-    "bandwidth": ("bandwidth", 1),
-}
-
-
-@pytest.mark.parametrize("kind", FIGURE)
-def test_each_objective_improves_what_it_says_more_than_any_other_does(by_kind, kind):
-    field, sign = FIGURE[kind]
-    best = {name: sign * getattr(one.figures, field) for name, one in by_kind.items()}
-    own = sign * getattr(by_kind[kind].figures_before, field)
-    print(kind, {name: f"{value:.4g}" for name, value in best.items()}, f"published {own:.4g}")
-    assert by_kind[kind].sweep.satisfied
-    assert best[kind] > own
-    assert best[kind] >= max(best.values()) - 2e-3 * abs(best[kind])
-
-
-def test_later_objectives_cost_the_first_no_more_than_is_allowed(load_boom, by_kind):
-    then = ('objective.then=["disturbance"]', "objective.keep=0.02")
-    found = tuned_for(load_boom, *then)
-    first, alone = by_kind["tracking"].figures, by_kind["disturbance"].figures
-    print(
-        f"index {1e3 * first.tracking:.3f} -> {1e3 * found.figures.tracking:.3f} ms, K_I,pos "
-        f"{first.integral_gain:.1f} -> {found.figures.integral_gain:.1f}, alone "
-        f"{alone.integral_gain:.1f}"
-    )
-    assert found.sweep.satisfied
-    assert found.figures.tracking <= 1.02 * first.tracking * (1 + 1e-4)
-    assert first.integral_gain < found.figures.integral_gain < alone.integral_gain
-    assert "objective tracking" in found.binding
-
-
-def test_nothing_to_give_leaves_the_first_objective_as_it_is(load_boom, by_kind):
-    found = tuned_for(load_boom, 'objective.then=["bandwidth"]', "objective.keep=0")
-    first = by_kind["tracking"].figures
-    assert found.sweep.satisfied
-    assert found.figures.tracking <= first.tracking * (1 + 1e-4)
-    assert found.figures.bandwidth >= first.bandwidth * (1 - 1e-4)
-
-
-def test_more_weight_on_disturbance_means_more_integral_gain(load_boom, by_kind):
-    gains = [by_kind["tracking"].figures.integral_gain]
-    for weight in (0.3, 3.0):
-        objective = f"objective={{tracking=1, disturbance={weight}}}"
-        found = tuned_for(load_boom, objective)
-        assert found.sweep.satisfied
-        gains.append(found.figures.integral_gain)
-    gains.append(by_kind["disturbance"].figures.integral_gain)
-    print(f"K_I,pos {gains}")
-    assert gains == sorted(gains)
-    assert gains[-2] > 1.05 * gains[0]
-
-
 # Starts -----------------------------------------------------------------------------------------
 
 STARTS = {
@@ -273,12 +204,6 @@ def test_a_start_that_does_not_stabilise_ends_where_a_good_one_does(load_boom, t
     assert found.figures.tracking == pytest.approx(tuned_boom.figures.tracking, rel=2e-3)
 
 
-def test_disturbance_from_a_study_without_integral_action(load_boom, by_kind):
-    found = tuned_for(load_boom, 'objective.kind="disturbance"', 'gains.k_i_pos="0 1/s^2"')
-    expected = by_kind["disturbance"].figures.integral_gain
-    assert found.figures.integral_gain == pytest.approx(expected, rel=2e-3)
-
-
 def test_no_integral_gain_and_nothing_free_are_answers(load_boom):
     none = 'requirements.bounds.k_i_pos=["0 1/s^2", "0 1/s^2"]'
     found = tune(load_boom(none, corners=True))
@@ -289,66 +214,3 @@ def test_no_integral_gain_and_nothing_free_are_answers(load_boom):
     )
     assert fixed.gains.k_p_pos == 9
     assert fixed.status is TuneStatus.OPTIMAL
-
-
-# What cannot be met -----------------------------------------------------------------------------
-
-
-@pytest.mark.parametrize("limit", [0.45, 0.49])
-def test_velocity_ratio_below_the_low_frequency_limit_is_infeasible(load_boom, limit):
-    """As ω → 0 the ratio tends to 1 − m_min/m_max = 0.5 at any gain."""
-    found = tune(load_boom(f"requirements.velocity_ratio={limit}", corners=True))
-    assert found.status is TuneStatus.INFEASIBLE
-    assert found.blocking.requirement == "velocity_ratio"
-    assert found.blocking.least_found == pytest.approx(0.5)
-    assert found.blocking.at.mass_kg == 49000
-    assert found.blocking.at.frequency_rad_s == 0
-    assert "nominal.mass" in found.blocking.remedy
-
-
-def test_unreachable_position_ratio_names_plant_frequency_and_how_far_it_is(load_boom):
-    found = tune(load_boom("requirements.position_ratio=0.1", corners=True))
-    assert found.status is TuneStatus.INFEASIBLE
-    assert found.blocking.requirement == "position_ratio"
-    assert found.blocking.at.mass_kg in {24500, 49000}
-    assert 1 < found.blocking.at.frequency_rad_s < 200
-    reliefs = {one.requirement: one.factor for one in found.blocking.reliefs}
-    print(found.blocking.remedy, reliefs)
-    needed = 0.1 * reliefs["position_ratio"]
-    assert needed == pytest.approx(found.sweep.position.worst_ratio, rel=2e-3)
-    given = tune(load_boom(f"requirements.position_ratio={1.005 * needed}", corners=True))
-    assert given.sweep.satisfied
-
-
-def test_two_requirements_in_each_others_way_say_how_far_each_would_have_to_give(load_boom):
-    asked = ('requirements.noise_gain="20 MN/m"', "requirements.position_ratio=0.3")
-    found = tune(load_boom(*asked, corners=True))
-    assert found.status is TuneStatus.INFEASIBLE
-    reliefs = {one.requirement: one.factor for one in found.blocking.reliefs}
-    print(found.blocking.requirement, reliefs)
-    assert set(reliefs) == {"position_ratio", "noise_gain"}
-    factor = reliefs["position_ratio"]
-    assert np.isfinite(factor)
-    assert factor > 1
-    assert found.blocking.least_found < factor  # both give a little at the nearest gains
-
-
-def test_a_bound_above_every_admissible_velocity_gain_blocks(load_boom):
-    bound = 'requirements.bounds.k_p_vel=["900 kN s/m", "950 kN s/m"]'
-    found = tune(load_boom(bound, corners=True))
-    assert found.status is TuneStatus.INFEASIBLE
-    assert found.blocking.requirement == "velocity_ratio"
-    assert "below the study's bound" in found.blocking.remedy
-
-
-def test_a_sampled_loop_that_cannot_be_asked_is_not_taken_as_met(load_boom):
-    asked = ("requirements.gain_margin=1.5", 'uncertainty.delay_as_it_runs=["3 ms", "14 ms"]')
-    found = tune(load_boom(*asked, corners=True))
-    assert not found.sweep.satisfied
-    assert found.blocking.requirement == "gain_margin"
-    assert "half a sampling period" in found.blocking.remedy
-
-
-def test_a_tuner_says_whether_the_velocity_gain_blocks(load_boom):
-    assert Tuner(load_boom("requirements.velocity_ratio=0.45", corners=True)).blocked
-    assert not Tuner(load_boom(corners=True)).blocked
