@@ -11,7 +11,7 @@ Around a state estimator neither is Eq. 21, and what is asked of loops is asked 
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -26,6 +26,17 @@ from mptune.robust.sweep import CONVERGED
 from mptune.robust.verdict import allowed_ratio
 from mptune.sim.running import step_figures
 from mptune.tune.asked import AskedPlants
+from mptune.tune.excess import (
+    FARTHEST,
+    NOISES,
+    PEAKS,
+    POSITION,
+    SAMPLED,
+    STABLE,
+    STEPS,
+    Excess,
+    over_limit,
+)
 
 if TYPE_CHECKING:
     from collections.abc import Mapping
@@ -33,8 +44,6 @@ if TYPE_CHECKING:
     from mptune.arrays import FloatArray, IntArray
     from mptune.params.packed import LoopGains, MeasurementPath
     from mptune.robust.model import LinearModel
-    from mptune.robust.place import PlantPoint
-    from mptune.robust.running import RunningFigures
 
 WINDOWS = 40  # of frequency, each judged by its largest ratio
 POINTS = 25 * WINDOWS  # frequencies of the envelope
@@ -43,21 +52,8 @@ _IN_HAND = 5 * CONVERGED  # of a ratio, for what the grid does not see
 _GROWN = 1e-6  # of a quotient's logarithm: a plant that is worse by less is not added
 _ROUNDING = 1e-5  # kept in hand of every other limit
 _FOLDED = 1.05e-2  # and as it runs around an estimator, whose certificates close to 1 %
-_FARTHEST = -5.0  # below a limit: a margin without limit is no farther
-_UNSTABLE = 7.0  # a peak's logarithm where there is no finite one
 _LOWEST = 0.1  # of the envelope's lowest frequency: there loops as they run are first asked
-_STABLE_BY = 1e-3  # disk margin of a loop that a search calls stable
 _LEAST_OVERSHOOT = 1e-3  # taken for none
-
-SAMPLED = (
-    "sampled_sensitivity_peak", "gain_margin", "disk_margin", "phase_margin", "delay_margin",
-    "peak_compliance",
-)  # fmt: skip
-POSITION, STABLE = "position_ratio", "unstable_plants"
-NOISES = ("noise_gain", "noise_force")
-PEAKS = ("sensitivity_peak", "complementary_peak")
-STEPS = ("overshoot", "settling_time")
-AS_IT_RUNS = (*SAMPLED, *STEPS)
 
 
 def _with(omega: FloatArray, added: FloatArray) -> FloatArray:
@@ -67,22 +63,6 @@ def _with(omega: FloatArray, added: FloatArray) -> FloatArray:
     moved = omega.copy()
     moved[place] = inside
     return moved
-
-
-class Excess(NamedTuple):
-    """One requirement's worst over the plants asked: excess, plant of the family, frequency."""
-
-    requirement: str
-    excess: float  # logarithm of found over allowed
-    plant: int
-    frequency: float
-
-    def at(self, model: LinearModel) -> PlantPoint | None:
-        """Return the place; None for requirements that know no plant."""
-        if self.plant < 0:
-            return None
-        as_it_runs = self.requirement in {*AS_IT_RUNS, STABLE}
-        return model.point(self.plant, self.frequency, as_it_runs=as_it_runs)
 
 
 class Excesses:
@@ -160,7 +140,7 @@ class Excesses:
         parts += [values for _, values, _ in self._peak_excesses(gains, by, self._true)]
         parts += [values for _, values, _ in self._sampled_excesses(gains, by)]
         parts += [np.array([value]) for _, value in self._noise_excesses(gains, by)]
-        return np.asarray(np.maximum(np.concatenate([np.zeros(0), *parts]), _FARTHEST))
+        return np.asarray(np.maximum(np.concatenate([np.zeros(0), *parts]), FARTHEST))
 
     def worst(self, gains: LoopGains, filters: MeasurementPath | None = None) -> tuple[Excess, ...]:
         """Return each requirement's worst over the whole family."""
@@ -264,7 +244,7 @@ class Excesses:
         elif self._of_sampled:
             figures = family_figures(loops, model.period, self._low)
         for name in self._of_sampled:
-            excess, frequency = _over(name, self._limit_of(name), figures)
+            excess, frequency = over_limit(name, self._limit_of(name), figures)
             found.append((name, excess, frequency))
         if self._of_steps:
             asked = self._limit("settling_time")
@@ -302,25 +282,3 @@ class Excesses:
                 )
                 found.append((name, float(np.log(noise / limit)) + _ROUNDING))
         return found
-
-
-def _over(name: str, limit: float, found: RunningFigures) -> tuple[FloatArray, FloatArray]:
-    """Return by how much a figure of loops as they run is over its limit, and where.
-
-    Margins pass through zero where a loop becomes unstable and so are compared as they are, which
-    near the limit is their logarithm as well.
-    """
-    stable = found.stable > 0
-    if name == STABLE:
-        return _STABLE_BY - found.disk_margin, found.disk_frequency
-    if name == "gain_margin":  # an unstable loop's is below 1: the factor that would mend it
-        return np.log(limit / np.clip(found.gain_margin, 1e-3, 1e3)), found.gain_frequency
-    if name in {"disk_margin", "phase_margin", "delay_margin"}:
-        frequency = getattr(found, name.replace("margin", "frequency"))
-        over = np.clip(1 - getattr(found, name) / limit, _FARTHEST, _UNSTABLE)
-        return over, frequency
-    if name == "peak_compliance":
-        over, at = np.log(found.peak_compliance / limit), found.compliance_frequency
-    else:
-        over, at = np.log(found.sensitivity_peak / limit), found.sensitivity_frequency
-    return np.where(stable, over, _UNSTABLE), at

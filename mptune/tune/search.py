@@ -23,7 +23,7 @@ if TYPE_CHECKING:
     from mptune.params.section import Range
     from mptune.progress import Progress
     from mptune.robust.model import LinearModel
-    from mptune.tune.excesses import Excess
+    from mptune.tune.excess import Excess
     from mptune.tune.objective import Figures, Judge
 
 _ROUNDS = 8

@@ -13,7 +13,7 @@ from mptune.robust.certificates import place_of
 from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
-from mptune.tune.excesses import AS_IT_RUNS
+from mptune.tune.excess import AS_IT_RUNS
 from mptune.tune.objective import Judge
 from mptune.tune.polish import ITERATIONS
 from mptune.tune.result import Blocking, TuneResult, TuneStatus

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from mptune.tune.excesses import Excess
+from mptune.tune.excess import Excess
 from mptune.tune.objective import Judge, weights_of
 from mptune.tune.polish import Values
 
