@@ -28,7 +28,7 @@ if TYPE_CHECKING:
     from collections.abc import Callable
     from typing import Any
 
-    from mptune.arrays import BoolArray
+    from mptune.arrays import BoolArray, IntArray
     from mptune.certify.problem import BoxedLoop
     from mptune.certify.result import Bracket
     from mptune.robust.family import Family
@@ -248,11 +248,21 @@ def _restoring_factor(family: Family, result: SweepResult) -> tuple[float, Plant
     NaN where the plants that are stable as they are would not bear that factor.
     """
     failing = np.flatnonzero(~family.stable)
+    likely = failing[:1]  # the one that failed last is asked first: one is enough
 
-    def stable(factor: float) -> BoolArray:
-        return stable_plants(result.model, result.gains, family, failing, factor)
+    def stable(factor: float, rows: IntArray = failing) -> BoolArray:
+        return stable_plants(result.model, result.gains, family, rows, factor)
 
-    factor = gain_limit(lambda factor: bool(stable(factor).all()), 1e-4)
+    def holds(factor: float) -> bool:
+        nonlocal likely
+        if not stable(factor, likely).all():
+            return False
+        found = stable(factor)
+        if not found.all():
+            likely = failing[~found][:1]
+        return bool(found.all())
+
+    factor = gain_limit(holds, 1e-4)
     least = family.margins.gain_reduction[FORCE][family.stable]
     if not np.isfinite(factor) or (least >= factor).any():
         return float("nan"), None
