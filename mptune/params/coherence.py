@@ -131,9 +131,6 @@ def _of_two_chambers(study: Study) -> Iterator[Fault]:
     rule = f"is for two chambers, and there are {chambers}"
     if chambers <= NUMBERS[0]:
         return
-    if study.converters:
-        remedy = "give [[lines]] of other kinds"
-        yield Fault("lines", f"{study.converters} converters", rule, remedy)
     if study.hose.dynamics:
         yield Fault("hose.dynamics", "true", rule, "leave it out")
     if study.controller.horizon > 1:

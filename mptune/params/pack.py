@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.arrays import frozen
-from mptune.params.chambers import NUMBERS, Side, volumes_of
+from mptune.params.chambers import NUMBERS, Side, common_size, volumes_of
 from mptune.params.estimator import place_estimator
 from mptune.params.line_table import line_table
 from mptune.params.packed import (
@@ -164,7 +164,7 @@ def pack_machine(
         hose_b=pulling.hose,
         oil=oil_bulk_modulus,
         hose=hose.bulk_modulus,
-        flow_coefficient=valves.flow_coefficient,
+        flow_coefficient=valves.flow_coefficient * common_size(study.study.all_chambers),
         transition_pressure=valves.transition_pressure,
         mass=mass,
         load=load,

@@ -1,14 +1,13 @@
 """The machine of Eq. 1 to Eq. 4 with any number of chambers on either side of its piston.
 
 Its state is that of ``mptune.plant.machine``, the pressures of the first two chambers in their
-usual places and those of the others behind everything else. Lines of this machine keep their
-pressure or have the accumulator; converters, whose pressure hangs on all that is open to them, are
-of machines with two chambers.
+usual places and those of the others behind everything else.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
+import math
+from typing import TYPE_CHECKING, NamedTuple
 
 from mptune.arrays import FloatArray, inlined_kernel, lending_kernel
 from mptune.params.packed import (
@@ -19,10 +18,13 @@ from mptune.params.packed import (
     FROM_STEADY,
     HOSE,
     LINE_ROWS,
+    MADE_BY,
     SHARE,
 )
+from mptune.plant.flow import orifice, orifice_slope
 from mptune.plant.machine import (
     COMPRESSION,
+    CONVERTER,
     CONVERTER_FRICTION,
     OIL,
     PRESSURE_A,
@@ -33,9 +35,11 @@ from mptune.plant.machine import (
     chamber_rate,
     drive,
     feed,
+    standing_at,
     states_of,
     valve_flow,
 )
+from mptune.plant.port import port_law
 from mptune.plant.supplies import accumulator_pressure, line_pressure
 
 if TYPE_CHECKING:
@@ -62,6 +66,56 @@ def chambers_force(state: FloatArray, machine: Machine, chambers: FloatArray) ->
     return force
 
 
+class Open(NamedTuple):
+    """What is open to one line: a column of the table of lines, and the state."""
+
+    lines: FloatArray  # (LINE_ROWS + C, L)
+    line: int
+    state: FloatArray
+    chambers: FloatArray  # (CHAMBER_ROWS, C)
+    machine: Machine
+
+
+@inlined_kernel
+def _flow_to_all(pressure: float, to: Open, scale: float, tr: float) -> tuple[float, float]:
+    flow, slope = 0.0, 0.0
+    for i in range(to.chambers.shape[1]):
+        opened = to.lines[LINE_ROWS + i, to.line]
+        if opened > 0:
+            difference = pressure - to.state[place_of(i, to.machine)]
+            flow += opened * orifice(difference, tr)
+            slope += opened * orifice_slope(difference, tr)
+    return scale * flow, scale * slope
+
+
+@inlined_kernel
+def _around_all(to: Open) -> tuple[float, float, float]:
+    valves, weighed, least, largest = 0.0, 0.0, math.inf, 0.0
+    for i in range(to.chambers.shape[1]):
+        opened = to.lines[LINE_ROWS + i, to.line]
+        if opened > 0:
+            pressure = to.state[place_of(i, to.machine)]
+            valves, weighed = valves + opened, weighed + opened * pressure
+            least, largest = min(least, pressure), max(largest, pressure)
+    return weighed / valves, least, largest
+
+
+_port_of_all = port_law(_flow_to_all, _around_all)
+
+
+@inlined_kernel
+def _port_of_line(ideal: float, converter: int, to: Open) -> float:
+    """Return the pressure at the port of the converter that makes a line [Pa]."""
+    any_open = False
+    for i in range(to.chambers.shape[1]):
+        any_open = any_open or to.lines[LINE_ROWS + i, to.line] > 0
+    if not any_open:
+        return ideal
+    blocked = standing_at(to.state[CONVERTER + converter], to.machine)
+    pressure: float = _port_of_all(ideal, to, blocked, to.machine)
+    return pressure
+
+
 @lending_kernel
 def rates_of_chambers(
     state: FloatArray,
@@ -80,11 +134,15 @@ def rates_of_chambers(
     high, one_way = accumulator_pressure(state[OIL], machine), machine.pump_lag > 0
     scale, tr = machine.flow_coefficient, machine.transition_pressure
     from_high, from_low, given, throttled, load = 0.0, 0.0, 0.0, 0.0, 0.0
-    count = chambers.shape[1]
+    rubbed, count = 0.0, chambers.shape[1]
     for i in range(count):
         slope[place_of(i, machine)] = 0.0  # gathers the chamber's flow first
     for k in range(lines.shape[1]):
-        pressure, drawn = line_pressure(lines[BASE, k], lines[SHARE, k], high), 0.0
+        ideal, drawn = line_pressure(lines[BASE, k], lines[SHARE, k], high), 0.0
+        pressure, converter = ideal, int(lines[MADE_BY, k])
+        if converter >= 0:
+            to = Open(lines, k, state, chambers, machine)
+            pressure = _port_of_line(ideal, converter, to)
         for i in range(count):
             opened = lines[LINE_ROWS + i, k]
             if opened == 0:
@@ -99,9 +157,12 @@ def rates_of_chambers(
         from_high += lines[SHARE, k] * drawn
         from_low += lines[FROM_LOWEST, k] * drawn
         given += lines[FROM_STEADY, k] * drawn
+        if converter >= 0:
+            slope[CONVERTER + converter] = -drawn / machine.converter_area
+            rubbed += (ideal - pressure) * drawn
     power[TANK] = machine.low_pressure * from_low
     power[THROTTLING] = throttled
-    power[CONVERTER_FRICTION] = 0.0
+    power[CONVERTER_FRICTION] = rubbed
     feed(high, from_high, given, load, pumping, machine, slope, power)
     stored = 0.0
     for i in range(count):

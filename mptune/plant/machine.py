@@ -23,7 +23,8 @@ from mptune.params.packed import (
 from mptune.plant.bulk import effective_bulk_modulus
 from mptune.plant.flow import orifice
 from mptune.plant.piston import Burden, friction
-from mptune.plant.supplies import accumulator_pressure, line_pressure, port_pressure
+from mptune.plant.port import port_pressure
+from mptune.plant.supplies import accumulator_pressure, line_pressure
 
 if TYPE_CHECKING:
     from mptune.params.packed import Machine
@@ -50,6 +51,14 @@ def states_of(machine: Machine) -> int:
 def _pressure_rate(pressure: float, rate: float) -> float:
     """Return the rate of a chamber's pressure; cavitation holds it at its floor of 0 Pa."""
     return 0.0 if pressure <= 0 and rate < 0 else rate
+
+
+@inlined_kernel
+def standing_at(place: float, machine: Machine) -> int:
+    """Return the end at which a converter's piston stands, +1 full or −1 empty; 0 between them."""
+    if abs(place) < machine.converter_travel:
+        return 0
+    return 1 if place > 0 else -1
 
 
 @inlined_kernel
@@ -153,10 +162,7 @@ def _supply_flows(
         ideal = pressure
         converter = int(lines[MADE_BY, k])
         if converter >= 0:
-            place = state[CONVERTER + converter]
-            blocked = 0
-            if abs(place) >= machine.converter_travel:
-                blocked = 1 if place > 0 else -1
+            blocked = standing_at(state[CONVERTER + converter], machine)
             pressure = port_pressure(
                 ideal, open_a, open_b, pressure_a, pressure_b, blocked, machine
             )

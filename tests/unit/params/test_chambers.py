@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from mptune.errors import InputError
+from mptune.export.constants import controller_numbers
+from mptune.export.formats import Precision
 from mptune.force.controller import ForceController
 from mptune.identify.identify import check
 from mptune.loops.family import derived_time_constants, time_constants_at
@@ -53,7 +55,6 @@ def test_chambers_that_make_no_machine_are_refused(load_boom, texts, words):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ((), "4 converters"),
         ((*TWO_LINES, "hose.dynamics=true"), "hose.dynamics"),
         ((*TWO_LINES, "controller.horizon=2"), "controller.horizon"),
         ((*TWO_LINES, "campaign.lines=[0, 1]"), "campaign.lines"),
@@ -81,6 +82,16 @@ def test_the_cylinder_written_out_is_its_short_form(load_boom, boom):
     for one, other in zip(derived_time_constants(study), derived_time_constants(boom), strict=True):
         assert one == pytest.approx(other, rel=1e-13)
     assert hose.diameter == study.study.hose.diameter
+
+
+def test_valves_that_both_of_two_chambers_have_are_the_machine_s(load_boom, boom):
+    study = load_boom(chambers(*(chamber(side, valves=2) for side in ("pushing", "pulling"))))
+    one = pack_machine(boom, 1.0, 1.2e9, 0.0).flow_coefficient
+    assert pack_machine(study, 1.0, 1.2e9, 0.0).flow_coefficient == 2 * one
+    gains, ahead = study.study.gains, study.study.feedforward
+    numbers = controller_numbers(study, gains, ahead, Precision.DOUBLE)
+    for own in numbers.chambers:
+        assert {n.key: n.value for n in own}["flow_coefficient"] == 2 * one
 
 
 def test_of_the_short_form_nothing_counts_beside_chambers(load_boom):
