@@ -60,6 +60,8 @@ SHAPES = {
     },
 }
 
+SHAPES["four-hoses"] = SHAPES["four-converters"] | {"hose.dynamics": "true"}
+
 # Interpreted kernels are slow; the corners of the box hold the worst plants of the paper's sets.
 POINTS = 2 if numba.config.DISABLE_JIT else 7
 

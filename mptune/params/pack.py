@@ -17,8 +17,10 @@ from mptune.params.packed import (
     CHAMBER_ROWS,
     DEAD,
     HOSE,
+    INERTANCE,
     NO_ESTIMATOR,
     NO_PATH,
+    RESISTANCE,
     SIZE,
     TRUE_SENSORS,
     FeedforwardTuple,
@@ -151,9 +153,6 @@ def pack_machine(
     hose, valves = study.study.hose, study.study.valves
     pushing, pulling = (volumes_of(study.study.side(side), hose) for side in Side)
     supplies, outer = study.study.supplies, study.study.load
-    section = math.pi / 4 * hose.diameter**2
-    inertance = hose.oil_density / section if hose.dynamics else 0.0
-    resistance = 8 * math.pi * hose.oil_viscosity / section**2  # laminar
     return Machine(
         area_a=pushing.area,
         area_b=pulling.area,
@@ -186,10 +185,10 @@ def pack_machine(
         converter_area=supplies.converter_area,
         converter_travel=supplies.converter_travel,
         converter_friction=supplies.converter_friction,
-        line_inertance=inertance * pushing.length,
-        line_inertance_b=inertance * pulling.length,
-        line_resistance=resistance * pushing.length,
-        line_resistance_b=resistance * pulling.length,
+        line_inertance=hose.inertance(pushing.length),
+        line_inertance_b=hose.inertance(pulling.length),
+        line_resistance=hose.resistance(pushing.length),
+        line_resistance_b=hose.resistance(pulling.length),
         converters=study.study.converters,
     )
 
@@ -209,6 +208,8 @@ def pack_chambers(study: ResolvedStudy) -> MoreChambers | None:
         table[AREA, place] = own.area if pushes else -own.area
         table[DEAD, place], table[HOSE, place] = own.dead, own.hose
         table[SIZE, place] = one.valves
+        table[INERTANCE, place] = hose.inertance(one.hose_length)
+        table[RESISTANCE, place] = hose.resistance(one.hose_length)
         settings.append(
             known._replace(
                 area_a=own.area if pushes else 0.0,

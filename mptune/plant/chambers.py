@@ -1,7 +1,9 @@
 """The machine of Eq. 1 to Eq. 4 with any number of chambers on either side of its piston.
 
 Its state is that of ``mptune.plant.machine``, the pressures of the first two chambers in their
-usual places and those of the others behind everything else.
+usual places and those of the others behind everything else. With hoses as lines the pressures at
+the valves' end of every chamber's hose follow, then the flows towards the chambers; a chamber
+without a hose has its valves at itself, and its places stand idle.
 """
 
 from __future__ import annotations
@@ -17,11 +19,14 @@ from mptune.params.packed import (
     FROM_LOWEST,
     FROM_STEADY,
     HOSE,
+    INERTANCE,
     LINE_ROWS,
     MADE_BY,
+    RESISTANCE,
     SHARE,
 )
 from mptune.plant.flow import orifice, orifice_slope
+from mptune.plant.hoses import hose_rates
 from mptune.plant.machine import (
     COMPRESSION,
     CONVERTER,
@@ -57,6 +62,31 @@ def place_of(chamber: int, machine: Machine) -> int:
     return states_of(machine) + chamber - _OF_ALL
 
 
+@inlined_kernel
+def valve_end_of(chamber: int, chambers: int, machine: Machine) -> int:
+    """Return where the pressure stands at the valves' end of a hose, of so many chambers."""
+    return states_of(machine) + chambers - _OF_ALL + chamber
+
+
+@inlined_kernel
+def seen_at(chamber: int, machine: Machine, chambers: FloatArray) -> int:
+    """Return where the pressure stands that a chamber's valves see."""
+    if chambers[INERTANCE, chamber] > 0:
+        return valve_end_of(chamber, chambers.shape[1], machine)
+    return place_of(chamber, machine)
+
+
+@inlined_kernel
+def further_states(chambers: FloatArray) -> tuple[int, int]:
+    """Return how many states there are behind the machine's own, and how many are pressures."""
+    count, lined = chambers.shape[1], False
+    for i in range(count):
+        lined = lined or chambers[INERTANCE, i] > 0
+    if lined:
+        return 3 * count - _OF_ALL, 2 * count - _OF_ALL
+    return count - _OF_ALL, count - _OF_ALL
+
+
 @lending_kernel
 def chambers_force(state: FloatArray, machine: Machine, chambers: FloatArray) -> float:
     """Return the force of all chambers on the piston [N]."""
@@ -82,7 +112,7 @@ def _flow_to_all(pressure: float, to: Open, scale: float, tr: float) -> tuple[fl
     for i in range(to.chambers.shape[1]):
         opened = to.lines[LINE_ROWS + i, to.line]
         if opened > 0:
-            difference = pressure - to.state[place_of(i, to.machine)]
+            difference = pressure - to.state[seen_at(i, to.machine, to.chambers)]
             flow += opened * orifice(difference, tr)
             slope += opened * orifice_slope(difference, tr)
     return scale * flow, scale * slope
@@ -94,7 +124,7 @@ def _around_all(to: Open) -> tuple[float, float, float]:
     for i in range(to.chambers.shape[1]):
         opened = to.lines[LINE_ROWS + i, to.line]
         if opened > 0:
-            pressure = to.state[place_of(i, to.machine)]
+            pressure = to.state[seen_at(i, to.machine, to.chambers)]
             valves, weighed = valves + opened, weighed + opened * pressure
             least, largest = min(least, pressure), max(largest, pressure)
     return weighed / valves, least, largest
@@ -136,7 +166,7 @@ def rates_of_chambers(
     from_high, from_low, given, throttled, load = 0.0, 0.0, 0.0, 0.0, 0.0
     rubbed, count = 0.0, chambers.shape[1]
     for i in range(count):
-        slope[place_of(i, machine)] = 0.0  # gathers the chamber's flow first
+        slope[seen_at(i, machine, chambers)] = 0.0  # gathers the flow out of the valves first
     for k in range(lines.shape[1]):
         ideal, drawn = line_pressure(lines[BASE, k], lines[SHARE, k], high), 0.0
         pressure, converter = ideal, int(lines[MADE_BY, k])
@@ -147,11 +177,12 @@ def rates_of_chambers(
             opened = lines[LINE_ROWS + i, k]
             if opened == 0:
                 continue
-            within = state[place_of(i, machine)]
+            seen = seen_at(i, machine, chambers)
+            within = state[seen]
             into = valve_flow(scale, opened, pressure - within, tr)
             if one_way and lines[SHARE, k] == 1:
                 into, load = max(into, 0.0), max(load, within)
-            slope[place_of(i, machine)] += into
+            slope[seen] += into
             throttled += into * (pressure - within)
             drawn += into
         from_high += lines[SHARE, k] * drawn
@@ -169,7 +200,17 @@ def rates_of_chambers(
         place, area, hose = place_of(i, machine), chambers[AREA, i], chambers[HOSE, i]
         away = state[X] if area > 0 else machine.stroke - state[X]
         volume = abs(area) * away + chambers[DEAD, i]
-        squeezed = slope[place] - area * state[V]
+        seen = seen_at(i, machine, chambers)
+        into = slope[seen]
+        if seen != place:  # the hose is a line of its own
+            along = state[seen + count]
+            slope[seen], slope[seen + count], gained = hose_rates(
+                state[seen], state[place], into, along, hose, chambers[INERTANCE, i],
+                chambers[RESISTANCE, i], machine,
+            )  # fmt: skip
+            stored += gained
+            into, volume, hose = along, volume - hose, 0.0
+        squeezed = into - area * state[V]
         slope[place] = chamber_rate(state[place], volume, hose, squeezed, machine)
         stored += state[place] * squeezed
     power[COMPRESSION] = stored

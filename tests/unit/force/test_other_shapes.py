@@ -36,7 +36,15 @@ def test_decisions_are_the_cheapest_by_the_plain_law(load_shape, name, penalty):
 
 @pytest.mark.parametrize(
     "name",
-    ["three-pressure", "digital-valve", "mixed", "following", "four-chamber", "four-converters"],
+    [
+        "three-pressure",
+        "digital-valve",
+        "mixed",
+        "following",
+        "four-chamber",
+        "four-converters",
+        "four-hoses",
+    ],
 )
 @pytest.mark.compiled
 def test_energies_close_and_the_piston_follows(load_shape, name):

@@ -55,15 +55,24 @@ def test_chambers_that_make_no_machine_are_refused(load_boom, texts, words):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ((*TWO_LINES, "hose.dynamics=true"), "hose.dynamics"),
         ((*TWO_LINES, "controller.horizon=2"), "controller.horizon"),
-        ((*TWO_LINES, "campaign.lines=[0, 1]"), "campaign.lines"),
         ((*TWO_LINES, "controller.max_combinations=80"), "4 chambers and 81 combinations"),
     ],
 )
 def test_what_four_chambers_are_not_simulated_with_is_refused(load_boom, changes, words):
     with pytest.raises(InputError, match=words):
         load_boom(FOUR, *changes, corners=True)
+
+
+@pytest.mark.parametrize("key", ["hose.dynamics=true", "campaign.lines=[0, 1]"])
+def test_hoses_too_short_for_lines_are_refused(load_boom, key):
+    """Not those of no length, which one of four chambers may have; one of two has one always."""
+    far, near = (chamber("pushing", hose_length=f"{length} m") for length in (0.06, 0.05))
+    load_boom(chambers(far, PULL, PUSH, PULL), *TWO_LINES, key, corners=True)
+    with pytest.raises(InputError, match=r"chambers\[3\].hose_length"):
+        load_boom(chambers(far, PULL, near, PULL), *TWO_LINES, key, corners=True)
+    with pytest.raises(InputError, match=r"hose.length_b.* = 0 mm is too short"):
+        load_boom("hose.length_b=0 m", key, corners=True)
 
 
 def test_the_cylinder_written_out_is_its_short_form(load_boom, boom):

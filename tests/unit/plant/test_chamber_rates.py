@@ -7,7 +7,7 @@ from opened import opened
 from mptune.params.line_table import line_table
 from mptune.params.lines import SupplyLine
 from mptune.params.pack import pack_chambers, pack_machine
-from mptune.params.packed import AREA, DEAD, HOSE, LINE_ROWS, NO_TABLE, SIZE
+from mptune.params.packed import AREA, CHAMBER_ROWS, DEAD, HOSE, LINE_ROWS, NO_TABLE, SIZE
 from mptune.plant import machine as plant
 from mptune.plant.chamber_valves import open_valves_of_chambers
 from mptune.plant.chambers import chambers_force, rates_of_chambers
@@ -61,7 +61,7 @@ def table_of(machine, shares=(1.0, 1.0)):
     dead, hose = np.array([machine.dead_a, machine.dead_b]), [machine.hose_a, machine.hose_b]
     parts = [np.array(shares), 1 - np.array(shares)]
     parts = [part for part in parts if part.all()]
-    table = np.zeros((4, 2 * len(parts)))
+    table = np.zeros((CHAMBER_ROWS, 2 * len(parts)))
     for row, whole in ((AREA, area), (DEAD, dead), (HOSE, hose), (SIZE, [1.0, 1.0])):
         table[row] = np.concatenate([part * whole for part in parts])
     return table
