@@ -178,30 +178,64 @@ def _control(
     if stop:
         memory.choice[:] = 0
         return
-    supplies = line_pressures(memory.filtered[4], memory.filtered[3], space)
     if more is not None:
-        pressures = np.empty(len(memory.choice))
-        for i in range(len(memory.filtered)):
-            chamber = chamber_of_signal(i, len(memory.converters))
-            if chamber >= 0:
-                pressures[chamber] = memory.filtered[i]
-        decide_of_chambers(
-            force, pressures, position, velocity, supplies, memory.converters, memory.choice,
-            space, more,
-        )  # fmt: skip
-        return
+        decide_for_more(memory, force, position, velocity, space, more)
+    else:
+        decide_for_two(memory, force, position, velocity, space, settings)
+
+
+# One kernel each, so that the cache tells for which machines the loop is compiled, see
+# ``mptune.verify.precompile``.
+@kernel
+def decide_for_two(
+    memory: Memory,
+    force: float,
+    position: float,
+    velocity: float,
+    space: SearchSpace,
+    settings: ForceSettings,
+) -> None:
+    """Replace the choice of a machine of two chambers."""
     memory.choice[0], memory.choice[1] = decide(
         force,
         memory.filtered[1],
         memory.filtered[2],
         position,
         velocity,
-        supplies,
+        line_pressures(memory.filtered[4], memory.filtered[3], space),
         memory.converters,
         memory.choice[0],
         memory.choice[1],
         space,
         settings,
+    )
+
+
+@kernel
+def decide_for_more(
+    memory: Memory,
+    force: float,
+    position: float,
+    velocity: float,
+    space: SearchSpace,
+    more: MoreChambers,
+) -> None:
+    """Replace the choice of a machine of more than two chambers."""
+    pressures = np.empty(len(memory.choice))
+    for i in range(len(memory.filtered)):
+        chamber = chamber_of_signal(i, len(memory.converters))
+        if chamber >= 0:
+            pressures[chamber] = memory.filtered[i]
+    decide_of_chambers(
+        force,
+        pressures,
+        position,
+        velocity,
+        line_pressures(memory.filtered[4], memory.filtered[3], space),
+        memory.converters,
+        memory.choice,
+        space,
+        more,
     )
 
 
