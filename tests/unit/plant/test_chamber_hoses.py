@@ -22,7 +22,7 @@ from mptune.params.packed import (
 )
 from mptune.plant import machine as plant
 from mptune.plant.chambers import place_of, rates_of_chambers, seen_at, valve_end_of
-from mptune.plant.hoses import LINE_STATES, rates_with_lines
+from mptune.plant.hoses import LINE_STATES, hose_rates, rates_with_lines
 from mptune.plant.piston import burden_at
 from mptune.plant.supplies import oil_at_pressure
 from mptune.sim.integrator import integrate, new_work
@@ -97,6 +97,17 @@ def test_two_chambers_move_as_the_machine_of_two(machine):
     rates_with_lines(state, opened(LINES, *OPEN), 1.0, machine, burden, wanted, spent)
     assert slope == pytest.approx(wanted, rel=1e-12)
     assert power == pytest.approx(spent, rel=1e-12)
+
+
+def test_a_steady_flow_costs_its_friction_and_a_drop_its_inertia(machine):
+    """Oil that runs along at q loses R q; without a flow a drop of 1 MPa starts one by Δp/L."""
+    hose, inert, slow = machine.hose_a, machine.line_inertance, machine.line_resistance
+    steady = hose_rates(6e6 + slow * 3e-4, 6e6, 3e-4, 3e-4, hose, inert, slow, machine)
+    assert steady == pytest.approx((0.0, 0.0, slow * 3e-4 * 3e-4), abs=1e-9)
+    _, starts, _ = hose_rates(7e6, 6e6, 0.0, 0.0, hose, inert, slow, machine)
+    assert starts == pytest.approx(1e6 / inert)
+    fills, *_ = hose_rates(7e6, 6e6, 2e-4, 0.0, hose, inert, slow, machine)
+    assert fills == pytest.approx(2e-4 / hose / (1 / machine.oil + 1 / machine.hose))
 
 
 def test_chambers_and_hoses_cut_in_two_move_as_one(machine):
