@@ -180,22 +180,7 @@ def _control(
         return
     if more is not None:
         decide_for_more(memory, force, position, velocity, space, more)
-    else:
-        decide_for_two(memory, force, position, velocity, space, settings)
-
-
-# One kernel each, so that the cache tells for which machines the loop is compiled, see
-# ``mptune.verify.precompile``.
-@kernel
-def decide_for_two(
-    memory: Memory,
-    force: float,
-    position: float,
-    velocity: float,
-    space: SearchSpace,
-    settings: ForceSettings,
-) -> None:
-    """Replace the choice of a machine of two chambers."""
+        return
     memory.choice[0], memory.choice[1] = decide(
         force,
         memory.filtered[1],
@@ -220,7 +205,11 @@ def decide_for_more(
     space: SearchSpace,
     more: MoreChambers,
 ) -> None:
-    """Replace the choice of a machine of more than two chambers."""
+    """Replace the choice of a machine of more than two chambers.
+
+    It is a kernel of its own so that the cache tells for which machines the loop is compiled, see
+    ``mptune.verify.precompile``; for two chambers another call would cost a hundredth of the speed.
+    """
     pressures = np.empty(len(memory.choice))
     for i in range(len(memory.filtered)):
         chamber = chamber_of_signal(i, len(memory.converters))

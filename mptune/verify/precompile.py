@@ -14,9 +14,10 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mptune.force.select import decide
 from mptune.kernel_cache import is_compiled
 from mptune.params.chambers import NUMBERS, Side
-from mptune.sim.closed_loop import decide_for_more, decide_for_two
+from mptune.sim.closed_loop import decide_for_more, run_ticks
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
@@ -39,7 +40,8 @@ def precompiling(study: ResolvedStudy) -> Iterator[Callable[[], None]]:
     compiled here when it is needed.
     """
     more = len(study.study.all_chambers) > NUMBERS[0]
-    if is_compiled(decide_for_more if more else decide_for_two):
+    loop = (decide_for_more,) if more else (run_ticks, decide)
+    if all(is_compiled(one) for one in loop):
         yield lambda: None
         return
     command = [sys.executable, "-m", "mptune.verify.precompile", *([_MORE] if more else [])]
