@@ -40,12 +40,27 @@ SHAPES = {
         '{kind = "accumulator", pressure = "14 MPa"}]',
         "edges.states": '["subsets", "crossflow"]',
     },
+    # Four chambers between lines of which two are made by converters.
+    "four-converters": {
+        "chambers": '[{side = "pushing", area = "32 cm^2", dead_volume = "0.2 dm^3", valves = 2}, '
+        '{side = "pulling", area = "16 cm^2", dead_volume = "0.2 dm^3", hose_length = "0.4 m"}, '
+        '{side = "pushing", area = "8 cm^2", dead_volume = "0.2 dm^3", valves = 0.5}, '
+        '{side = "pulling", area = "4 cm^2", dead_volume = "0.2 dm^3", valves = 0.5}]',
+        "lines": '[{kind = "tank", pressure = "1 MPa"}, '
+        '{kind = "converter", between = [1, 4], share = 0.3}, '
+        '{kind = "converter", between = [1, 4], share = 0.7}, '
+        '{kind = "accumulator", pressure = "14 MPa"}]',
+        "edges": '{sizes = [1], states = ["all", "crossflow"]}',
+        "controller.weight_pressure": '"0.05 N/Pa"',
+    },
     "following": {
         "lines": '[{kind = "tank", pressure = "0.5 MPa"}, {kind = "pump", pressure = "16 MPa", '
         'margin = "2 MPa", standby = "2 MPa", lag = "60 ms"}]',
         "edges.sizes": "[1, 1, 2]",
     },
 }
+
+SHAPES["four-hoses"] = SHAPES["four-converters"] | {"hose.dynamics": "true"}
 
 # Interpreted kernels are slow; the corners of the box hold the worst plants of the paper's sets.
 POINTS = 2 if numba.config.DISABLE_JIT else 7

@@ -6,12 +6,14 @@ from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
 
+from mptune.arrays import frozen
 from mptune.campaign.scaled_moves import scaled
 from mptune.campaign.temperature import temperature_factors
 from mptune.errors import Fault, InputError
 from mptune.params.campaign import Campaign
 from mptune.params.machine import SensorTruth
 from mptune.params.pack import pack_sensors
+from mptune.params.packed import RESISTANCE
 from mptune.sim.moves import moves_of
 from mptune.verify.verify import Case, check_delay, check_repeats, delays_of, rig_of
 
@@ -139,7 +141,13 @@ def rig_of_draw(
         converter_noise=signals.converter_noise * draw.noise,
         sensors=pack_sensors(_sensors(draw)),
     )
-    rig = rig._replace(machine=machine, signals=signals, delays=delays_of(study, case.valve_delay))
+    more = rig.more
+    if more is not None:
+        table = more.table.copy()
+        table[RESISTANCE] *= warm.viscosity
+        more = more._replace(table=frozen(table))
+    delays = delays_of(study, case.valve_delay)
+    rig = rig._replace(machine=machine, signals=signals, delays=delays, more=more)
     if (draw.distance, draw.duration) != (1.0, 1.0):
         moves = [scaled(move, draw.distance, draw.duration) for move in study.study.manoeuvre]
         rig = rig._replace(moves=moves_of(moves))

@@ -32,6 +32,7 @@ from mptune.cli.options import (
     QuietOption,
     SetOption,
     StudyArgument,
+    StudyToWarm,
     TimesOption,
     UncertaintyOption,
     a_path,
@@ -175,13 +176,17 @@ def new(
 
 
 @app.command()
-def warm(quiet: QuietOption = False, _verbose: TimesOption = False) -> None:
+def warm(
+    study: StudyToWarm = None, quiet: QuietOption = False, _verbose: TimesOption = False
+) -> None:
     """Compile all that a run needs, once, so that the first run is as fast as the next."""
     from mptune.cli import show
+    from mptune.cli.study import load_study
     from mptune.job.warm import warm as warm_kernels
 
+    loaded = None if study is None else load_study(study)
     with show.progress(quiet=quiet) as report:
-        folder = warm_kernels(report)
+        folder = warm_kernels(report, loaded)
     if not quiet:
         show.say(f"kernels are kept in {folder}" if folder else "no folder for kernels: none kept")
 

@@ -31,6 +31,12 @@ def a_path(text: str | Path) -> Path:
 StudyArgument = Annotated[
     Path, typer.Argument(parser=a_path, metavar="STUDY", help="The study's TOML file.")
 ]
+StudyToWarm = Annotated[
+    Path | None,
+    typer.Argument(
+        parser=a_path, metavar="STUDY", help="Of more than two chambers: its simulation too."
+    ),
+]
 SourcesArgument = Annotated[
     list[Path], typer.Argument(parser=a_path, metavar="A B …", help="Gains files and studies.")
 ]

@@ -17,7 +17,7 @@ from mptune.campaign.simulate import FIGURES
 from mptune.cli.show import bars
 from mptune.cli.terminal import as_json, say, show
 from mptune.report.blocks import Column, Row, Tabular, left, right, verdict
-from mptune.sim.merit import OF_SPEEDS, merit
+from mptune.sim.merit import OF_CONVERTERS, OF_SPEEDS, merit
 from mptune.units import number, shown
 
 if TYPE_CHECKING:
@@ -88,8 +88,11 @@ def _drawn(plan: Plan) -> str:
 
 
 def _known(result: CampaignResult, figure: str) -> bool:
-    """Return whether a figure is shown: those of commanded speeds only where a run has them."""
-    return merit(figure) not in OF_SPEEDS or bool(np.isfinite(result.column(figure)).any())
+    """Return whether a figure is shown: of speeds where a run has any, so of converters."""
+    one = merit(figure)
+    if one is OF_CONVERTERS:
+        return result.plan.study.study.converters > 0
+    return one not in OF_SPEEDS or bool(np.isfinite(result.column(figure)).any())
 
 
 def _distribution(result: CampaignResult, figure: str) -> Row:

@@ -49,7 +49,7 @@ class MoveView:
         self._steps: list[Any] = []
         for name, role, dash in zip(LETTERS, _ROLES, _DASHES, strict=True):
             steps = self._states.step(
-                "time", name, source=self._now, mode="after", legend_label=f"state {name}",
+                "time", name, source=self._now, mode="after", legend_label=name,
                 line_dash=dash,
             )  # fmt: skip
             steps.tags = [role]

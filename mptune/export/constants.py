@@ -13,7 +13,7 @@ import numpy as np
 from mptune.errors import Fault, InputError
 from mptune.export.formats import Precision
 from mptune.force.cost import force_limits
-from mptune.params.chambers import Side, volumes_of
+from mptune.params.chambers import Side, common_size, volumes_of
 from mptune.params.pack import (
     pack_estimator,
     pack_feedforward,
@@ -198,8 +198,9 @@ def controller_numbers(
 
 def _chambers(study: ResolvedStudy, precision: Precision) -> Iterator[tuple[Number, ...]]:
     """Yield the numbers of each chamber."""
-    coefficient, hose = pack_force(study).flow_coefficient, study.study.hose
-    for one in study.study.all_chambers:
+    chambers, hose = study.study.all_chambers, study.study.hose
+    coefficient = pack_force(study).flow_coefficient / common_size(chambers)
+    for one in chambers:
         volumes = volumes_of((one,), hose)
         values = {
             "area": volumes.area,

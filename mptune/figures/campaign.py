@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from itertools import zip_longest
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from mptune.figures.style import LIMIT, NOMINAL, WORST, legend_below, new_figure, style
-from mptune.sim.merit import TABULATED
+from mptune.sim.merit import OF_CONVERTERS, TABULATED
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -18,15 +19,18 @@ if TYPE_CHECKING:
 
 
 def campaign_figure(result: CampaignResult) -> Figure:
-    """Draw the distribution of six figures, and below the rank correlations."""
+    """Draw the distribution of up to six figures, and below the rank correlations."""
     with style():
         varying = result.plan.box.names
         figure = new_figure(4.6 + 0.24 * len(varying))
         heights = 4.4, 0.7 + 0.24 * len(varying)
         upper, lower = figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
         axes = upper.subplots(2, 3, sharey=True)
-        for one, shown in zip(axes.ravel(), TABULATED, strict=True):
-            _distribution(one, result, shown)
+        for one, shown in zip_longest(axes.ravel(), _shown(result)):
+            if shown is None:
+                one.set_axis_off()
+            else:
+                _distribution(one, result, shown)
         for one in axes[:, 0]:
             one.set_ylabel("Share of runs [–]")
         axes[0, 0].set_title(f"{result.plan.runs} runs, {result.failures} failed", loc="left")
@@ -34,6 +38,12 @@ def campaign_figure(result: CampaignResult) -> Figure:
         if varying:
             _ranks(lower.subplots(), result)
     return figure
+
+
+def _shown(result: CampaignResult) -> list[Merit]:
+    """Return what is drawn: nothing of converters where there are none."""
+    converters = result.plan.study.study.converters
+    return [one for one in TABULATED if converters or one is not OF_CONVERTERS]
 
 
 def _distribution(axes: Axes, result: CampaignResult, shown: Merit) -> None:
@@ -52,13 +62,14 @@ def _distribution(axes: Axes, result: CampaignResult, shown: Merit) -> None:
 def _ranks(axes: Axes, result: CampaignResult) -> None:
     """Draw rank correlations as a map with its numbers written in."""
     names = result.plan.box.names
-    columns = [list(result.correlations(one.key).values()) for one in TABULATED]
+    figures = _shown(result)
+    columns = [list(result.correlations(one.key).values()) for one in figures]
     table = np.array(columns).T
     axes.imshow(np.abs(table), cmap="Greys", vmin=0, vmax=1.6, aspect="auto")
     for (row, column), value in np.ndenumerate(table):
         text = "–" if np.isnan(value) else f"{value:+.2f}"
         axes.text(column, row, text, ha="center", va="center", fontsize=7.5)
-    axes.set_xticks(range(len(columns)), [one.short for one in TABULATED])
+    axes.set_xticks(range(len(columns)), [one.short for one in figures])
     axes.set_yticks(range(len(names)), [name.replace("_", " ") for name in names])
     axes.grid(visible=False)
     axes.tick_params(length=0)

@@ -21,6 +21,7 @@ _COLORS = (
 )  # fmt: skip
 _MARKERS = "osD^vP*X"
 _ROOM = 1.3  # times the largest index, where the next tick may stand
+_MOST_TICKS = 9
 _INDEX, _LOSS = merit("performance_index_ms"), merit("energy_loss_j_per_mm")
 
 
@@ -62,10 +63,18 @@ def loss_over_index(rows: Sequence[dict[str, Any]]) -> Figure:
 
 
 def _ticks_among(values: Sequence[float]) -> list[int]:
-    """Return round numbers from just below the least of some values to just above the largest."""
+    """Return round numbers from just below the least of some values to just above the largest.
+
+    Of a wide range there are fewer in each decade, so that their texts stay apart.
+    """
     room = (min(values, default=10) / _ROOM, max(values, default=100) * _ROOM)
-    steps = (factor * 10**decade for decade in range(5) for factor in (1, 2, 3, 5))
-    return [tick for tick in steps if room[0] <= tick <= room[1]]
+    ticks: list[int] = []
+    for factors in ((1, 2, 3, 5), (1, 3), (1,)):
+        steps = (factor * 10**decade for decade in range(7) for factor in factors)
+        ticks = [tick for tick in steps if room[0] <= tick <= room[1]]
+        if len(ticks) <= _MOST_TICKS:
+            break
+    return ticks
 
 
 def _system(axes: Axes, runs: Sequence[dict[str, Any]], title: str, number: int) -> None:

@@ -63,7 +63,7 @@ class OwnMachine:
 @contextmanager
 def own_machine(study: ResolvedStudy) -> Iterator[OwnMachine]:
     """Simulate a study's machines under its own gains beside the block, compiled if need be."""
-    with ThreadPoolExecutor(1, "own gains") as pool, precompiling() as ready:
+    with ThreadPoolExecutor(1, "own gains") as pool, precompiling(study) as ready:
         own = OwnMachine(study, ready, pool)
         try:
             yield own

@@ -34,7 +34,7 @@ if TYPE_CHECKING:
     from mptune.systems.result import SystemsResult
 
 THIS_MACHINE = "this machine"
-_BOUNDARY = "p_HP·Q_HP out of the accumulator; what flows into the tank line is lost (§7.1)"
+_LOST = "what flows into the tank line is lost (§7.1)"
 
 
 @dataclass(frozen=True)
@@ -167,21 +167,29 @@ def this_machine(study: ResolvedStudy, tuned: Gains, ahead: Feedforward) -> Iter
         The tuner's gains and feed-forward, which the common rule may choose.
     """
     own, none = study.study.gains, study.study.feedforward
+    boundary = _boundary(study)
     best = _under(study, "tuned", tuned, ahead)
     published = _under(study, LITERATURE, own, none)
-    yield Contender("this_machine", THIS_MACHINE, _BOUNDARY, published, (best,))
+    yield Contender("this_machine", THIS_MACHINE, boundary, published, (best,))
     asked = study.study.systems
     if asked.pid_loop is not None:
         under = _under(study, LITERATURE, pid_gains(asked.pid_loop), none)
-        yield Contender("pid_loop", "this machine, PID outer loop", _BOUNDARY, under)
+        yield Contender("pid_loop", "this machine, PID outer loop", boundary, under)
     if asked.cascade_loop is not None:
         under = _under(study, LITERATURE, cascade_gains(asked.cascade_loop), none)
-        yield Contender("cascade_loop", "this machine, P + PI outer loops", _BOUNDARY, under)
+        yield Contender("cascade_loop", "this machine, P + PI outer loops", boundary, under)
     if asked.steady_state is not None:
         settled = _on_settled_pressures(study, asked.steady_state)
         under = _under(settled, LITERATURE, own, none)
         other = _under(settled, "tuned", tuned, ahead)
-        yield Contender("steady_state", "this machine, steady state", _BOUNDARY, under, (other,))
+        yield Contender("steady_state", "this machine, steady state", boundary, under, (other,))
+
+
+def _boundary(study: ResolvedStudy) -> str:
+    """Return from where on a machine of on/off valves draws power."""
+    if study.study.supplies.accumulator_volume > 0:
+        return f"p_HP·Q_HP out of the accumulator; {_LOST}"
+    return f"p·Q out of all lines but the lowest, as they keep their pressures; {_LOST}"
 
 
 def neighbour(
@@ -213,7 +221,7 @@ def neighbour(
     moved, around = (on_the_load_of(study, one) for one in others)
     own = _under(moved, ITS_OWN, other.study.gains, other.study.feedforward)
     best = _under(around, "tuned", tuned, ahead)
-    return Contender(key, f"study {other.name}", _BOUNDARY, own, (best,))
+    return Contender(key, f"study {other.name}", _boundary(other), own, (best,))
 
 
 def _on_settled_pressures(study: ResolvedStudy, weights: SteadyState) -> ResolvedStudy:

@@ -7,6 +7,7 @@ is built once ships them so.
 from __future__ import annotations
 
 import tempfile
+from contextlib import ExitStack
 from importlib import resources
 from typing import TYPE_CHECKING
 
@@ -16,9 +17,12 @@ from mptune.kernel_cache import folder_of
 from mptune.params.load import load_study
 from mptune.progress import Progress, silent
 from mptune.sim.closed_loop import run_ticks
+from mptune.verify.precompile import precompiling
 
 if TYPE_CHECKING:
     from pathlib import Path
+
+    from mptune.params.study import ResolvedStudy
 
 _SMALL = (
     "uncertainty.points=2",
@@ -34,7 +38,7 @@ _SMALL = (
 )
 
 
-def warm(progress: Progress = silent) -> Path | None:
+def warm(progress: Progress = silent, study: ResolvedStudy | None = None) -> Path | None:
     """Run a small study whole, and throw its results away; return where its kernels are kept.
 
     Whatever a run compiles is compiled then, whichever way it goes: there is no list of kernels to
@@ -44,11 +48,19 @@ def warm(progress: Progress = silent) -> Path | None:
     ----------
     progress
         Told of the stages of ``run``, then of ``"identify"``.
+    study
+        A study whose machine is to be simulated: one of more than two chambers has kernels of its
+        own, which a process compiles beside.
     """
     template = resources.files("mptune.params").joinpath("template.toml")
-    with resources.as_file(template) as path, tempfile.TemporaryDirectory() as place:
-        study = load_study(path, _SMALL)
-        run(study, place, progress)
-        identify(study, progress=progress)
+    with ExitStack() as stack:
+        path = stack.enter_context(resources.as_file(template))
+        place = stack.enter_context(tempfile.TemporaryDirectory())
+        ready = None if study is None else stack.enter_context(precompiling(study))
+        small = load_study(path, _SMALL)
+        run(small, place, progress)
+        identify(small, progress=progress)
+        if ready is not None:
+            ready()
     folder = folder_of(run_ticks)
     return None if folder is None else folder.parent

@@ -66,6 +66,14 @@ def chambers_of(
     )
 
 
+def common_size(chambers: Sequence[Chamber]) -> float:
+    """Return the size of the valves that all chambers have, in those of the edges.
+
+    Of two chambers it is a part of the machine's K_v; of more each one's size is its own.
+    """
+    return chambers[0].valves if len(chambers) == NUMBERS[0] else 1.0
+
+
 class Volumes(NamedTuple):
     """Sums over some chambers, as ``mptune.params.packed.Machine`` has them of one side."""
 

@@ -6,13 +6,15 @@ the loaded study carries; a study may differ on purpose, as Fig. 5's delays do f
 
 from __future__ import annotations
 
+import math
 from typing import TYPE_CHECKING
 
 from mptune.errors import Fault
 from mptune.params.advice import advice_on
-from mptune.params.chambers import NUMBERS
+from mptune.params.chambers import LETTERS, NUMBERS
 from mptune.params.demand import flow_demand, force_demand, slowest_valves
 from mptune.params.doubts import Doubt
+from mptune.params.packed import SUBSTEPS
 from mptune.params.valve_states import number_of_states
 from mptune.units import shown
 
@@ -26,6 +28,7 @@ _SAME = 1e-9  # relative: nearer values are the same
 _MOST_VALVES = 1000  # of a side
 _MOST_COUNTED = 10_000  # states of a side, after which they are many
 _FEWER = "take fewer valves"
+_STEPS_OF_A_SWING = 5
 _DELAYS = ("delay", "delay_as_it_runs")
 
 
@@ -44,6 +47,7 @@ def refusals_of(study: Study, written: frozenset[str]) -> list[Fault]:
         *_slow_valves(study, written),
         *_heavy_loads(study, written),
         *_combinations(study),
+        *_short_hoses(study),
         *_of_two_chambers(study),
     ]
 
@@ -125,21 +129,44 @@ def _combinations(study: Study) -> Iterator[Fault]:
         )
 
 
+def _short_hoses(study: Study) -> Iterator[Fault]:
+    """Refuse hoses as lines whose oil swings faster than the simulator's steps can follow.
+
+    The swing of its volume at the valves' end against its oil takes 2π l √(ρ/B), at the stiffest
+    oil. One of four chambers may have no hose.
+    """
+    drawn = study.campaign.lines is not None and study.campaign.lines[1] > 0
+    if not (study.hose.dynamics or drawn):
+        return
+    asked = "campaign.lines" if drawn else "hose.dynamics"
+    hose, chambers = study.hose, study.all_chambers
+    moduli = (*study.verification.oil_bulk_moduli, *study.oil.bulk_modulus,
+              *(study.campaign.oil_bulk_modulus or ()))  # fmt: skip
+    stiff = 1 / (1 / max(moduli) + 1 / hose.bulk_modulus)  # Eq. 4 of a volume that is all hose
+    step = study.controller.fast_sampling_period / SUBSTEPS
+    least = _STEPS_OF_A_SWING * step / (2 * math.pi) * math.sqrt(stiff / hose.oil_density)
+    for number, one in enumerate(chambers):
+        length = one.hose_length
+        if length >= least or (length == 0 and len(chambers) > NUMBERS[0]):
+            continue
+        key = f"chambers[{number + 1}].hose_length"
+        yield Fault(
+            key if study.chambers else f"hose.length_{LETTERS[number].lower()}",
+            shown(length, "m"),
+            f"is too short for a line of {asked}: below {shown(least, 'm')} its oil swings within "
+            f"{_STEPS_OF_A_SWING} steps of the simulation",
+            "leave that out, and hoses are a part of their chambers",
+        )
+
+
 def _of_two_chambers(study: Study) -> Iterator[Fault]:
     """Refuse what a machine of more than two chambers is not simulated with."""
     chambers = len(study.all_chambers)
     rule = f"is for two chambers, and there are {chambers}"
     if chambers <= NUMBERS[0]:
         return
-    if study.converters:
-        remedy = "give [[lines]] of other kinds"
-        yield Fault("lines", f"{study.converters} converters", rule, remedy)
-    if study.hose.dynamics:
-        yield Fault("hose.dynamics", "true", rule, "leave it out")
     if study.controller.horizon > 1:
         yield Fault("controller.horizon", str(study.controller.horizon), rule, "leave it out")
-    if study.campaign.lines is not None and study.campaign.lines[1] > 0:
-        yield Fault("campaign.lines", f"{study.campaign.lines[1]:g}", rule, "leave it out")
 
 
 def _delays(resolved: ResolvedStudy) -> Iterator[Doubt]:

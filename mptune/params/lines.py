@@ -176,8 +176,13 @@ def supplies_of(lines: Sequence[SupplyLine], supplies: Supplies) -> Supplies:
     Without an accumulator its volume is 0 and the highest line keeps its pressure. What is met
     nowhere then, like the end of a converter's travel, is infinite.
     """
+    return supplies.model_copy(update=instead_of_supplies(lines)) if lines else supplies
+
+
+def instead_of_supplies(lines: Sequence[SupplyLine]) -> dict[str, float]:
+    """Return what lines say instead of ``[supplies]``, see ``supplies_of``."""
     if not lines:
-        return supplies
+        return {}
     pressures = nominal_pressures(lines)
     high = pressures[-1]
     found = {"low_pressure": pressures[0], "high_pressure": high}
@@ -187,7 +192,7 @@ def supplies_of(lines: Sequence[SupplyLine], supplies: Supplies) -> Supplies:
         found |= {"accumulator_volume": 0.0, "accumulator_precharge": 0.0}
     if not any(line.kind is LineKind.CONVERTER for line in lines):
         found |= dict.fromkeys(_OF_CONVERTERS, math.inf)
-    return supplies.model_copy(update=found)
+    return found
 
 
 def missing_supplies(supplies: Supplies) -> tuple[str, ...]:

@@ -92,7 +92,19 @@ class Hose(Section):
 
     def volume(self, length: float) -> float:
         """Return the volume V_h [m³] of a hose of some length [m]."""
-        return math.pi / 4 * self.diameter**2 * length
+        return self._section * length
+
+    def inertance(self, length: float) -> float:
+        """Return ρ L/A of a hose as a line [Pa s²/m³]; 0 where it is a part of its chamber."""
+        return self.oil_density / self._section * length if self.dynamics else 0.0
+
+    def resistance(self, length: float) -> float:
+        """Return the laminar resistance 8 π μ L/A² of a hose as a line [Pa s/m³]."""
+        return 8 * math.pi * self.oil_viscosity / self._section**2 * length
+
+    @property
+    def _section(self) -> float:
+        return math.pi / 4 * self.diameter**2
 
 
 class Valves(Section):

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from mptune.arrays import frozen
-from mptune.params.chambers import NUMBERS, Side, volumes_of
+from mptune.params.chambers import NUMBERS, Side, common_size, volumes_of
 from mptune.params.estimator import place_estimator
 from mptune.params.line_table import line_table
 from mptune.params.packed import (
@@ -17,8 +17,10 @@ from mptune.params.packed import (
     CHAMBER_ROWS,
     DEAD,
     HOSE,
+    INERTANCE,
     NO_ESTIMATOR,
     NO_PATH,
+    RESISTANCE,
     SIZE,
     TRUE_SENSORS,
     FeedforwardTuple,
@@ -151,9 +153,6 @@ def pack_machine(
     hose, valves = study.study.hose, study.study.valves
     pushing, pulling = (volumes_of(study.study.side(side), hose) for side in Side)
     supplies, outer = study.study.supplies, study.study.load
-    section = math.pi / 4 * hose.diameter**2
-    inertance = hose.oil_density / section if hose.dynamics else 0.0
-    resistance = 8 * math.pi * hose.oil_viscosity / section**2  # laminar
     return Machine(
         area_a=pushing.area,
         area_b=pulling.area,
@@ -164,7 +163,7 @@ def pack_machine(
         hose_b=pulling.hose,
         oil=oil_bulk_modulus,
         hose=hose.bulk_modulus,
-        flow_coefficient=valves.flow_coefficient,
+        flow_coefficient=valves.flow_coefficient * common_size(study.study.all_chambers),
         transition_pressure=valves.transition_pressure,
         mass=mass,
         load=load,
@@ -186,10 +185,10 @@ def pack_machine(
         converter_area=supplies.converter_area,
         converter_travel=supplies.converter_travel,
         converter_friction=supplies.converter_friction,
-        line_inertance=inertance * pushing.length,
-        line_inertance_b=inertance * pulling.length,
-        line_resistance=resistance * pushing.length,
-        line_resistance_b=resistance * pulling.length,
+        line_inertance=hose.inertance(pushing.length),
+        line_inertance_b=hose.inertance(pulling.length),
+        line_resistance=hose.resistance(pushing.length),
+        line_resistance_b=hose.resistance(pulling.length),
         converters=study.study.converters,
     )
 
@@ -209,6 +208,8 @@ def pack_chambers(study: ResolvedStudy) -> MoreChambers | None:
         table[AREA, place] = own.area if pushes else -own.area
         table[DEAD, place], table[HOSE, place] = own.dead, own.hose
         table[SIZE, place] = one.valves
+        table[INERTANCE, place] = hose.inertance(one.hose_length)
+        table[RESISTANCE, place] = hose.resistance(one.hose_length)
         settings.append(
             known._replace(
                 area_a=own.area if pushes else 0.0,

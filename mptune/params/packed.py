@@ -11,6 +11,8 @@ from mptune.summary import tuple_text
 if TYPE_CHECKING:
     from mptune.arrays import BoolArray, FloatArray, IntArray
 
+SUBSTEPS = 5  # of the machine's integration in one T_S,fast
+
 # Rows of a table of lines ``(LINE_ROWS, L)``, lowest pressure first. A line stands at
 # base + share (p_high − base), where p_high is the pressure of the highest line.
 BASE = 0  # Pa
@@ -30,7 +32,9 @@ AREA = 0  # m², positive where pressure pushes the piston out
 DEAD = 1  # m³, V_0 + V_h
 HOSE = 2  # m³, V_h
 SIZE = 3  # -, of the chamber's valves, in those of the edges
-CHAMBER_ROWS = 4
+INERTANCE = 4  # Pa s²/m³, of its hose as a line; 0 where it is part of the chamber
+RESISTANCE = 5  # Pa s/m³
+CHAMBER_ROWS = 6
 
 
 class Plant(NamedTuple):

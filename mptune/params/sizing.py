@@ -11,6 +11,8 @@ import math
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Final
 
+from mptune.params.chambers import Side
+
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
@@ -144,13 +146,14 @@ def swept_volume(study: Study) -> float:
 def converter_weights(study: Study) -> Range:
     """Return least and largest W_conv [N s/m⁶] that fit the converters' travel.
 
-    At its end a converter's oil, through one valve at half a step, is to cost no less than the
-    force of half a step, where another line does as well; half-way, where it costs an eighth, no
-    more than a whole step's.
+    At its end a converter's oil, through one valve to each chamber that pushes, at half a step, is
+    to cost no less than the force of half a step, where another line does as well; half-way, where
+    it costs an eighth, no more than a whole step's.
     """
     step = pressure_step(study)
     valve = study.valves.flow_coefficient * max(map(max, study.edge_rule.sizes))
-    price = study.area_a * step / (valve * math.sqrt(step / 2))  # per m³ of travel³
+    valves = valve * sum(one.valves for one in study.side(Side.PUSHING))
+    price = study.area_a * step / (valves * math.sqrt(step / 2))  # per m³ of travel³
     whole = price / study.supplies.converter_travel**3
     return whole / 2, 8 * whole
 

@@ -3,7 +3,8 @@
 State, SI: piston position and velocity, chamber pressures A and B, oil in the accumulator,
 converter positions; then the energies that the state has cost so far. Of all sizes only the two
 chambers are compiled in: there are as many lines and converters as the table of lines has. More
-chambers have a right-hand side of their own, ``mptune.plant.chambers``, made of the same parts.
+chambers have a right-hand side of their own, ``mptune.plant.chambers``, and so have hoses as lines,
+``mptune.plant.hoses``, made of the same parts.
 """
 
 from __future__ import annotations
@@ -23,16 +24,13 @@ from mptune.params.packed import (
 from mptune.plant.bulk import effective_bulk_modulus
 from mptune.plant.flow import orifice
 from mptune.plant.piston import Burden, friction
-from mptune.plant.supplies import accumulator_pressure, line_pressure, port_pressure
+from mptune.plant.port import port_pressure
+from mptune.plant.supplies import accumulator_pressure, line_pressure
 
 if TYPE_CHECKING:
     from mptune.params.packed import Machine
 
 X, V, PRESSURE_A, PRESSURE_B, OIL, CONVERTER = range(6)  # of the first converter
-# With hoses as lines, behind the converters: pressures at the valves' end, and flows towards the
-# chambers.
-VALVE_END_A, VALVE_END_B, LINE_A, LINE_B = range(4)
-LINE_STATES = 4
 # Energies [J], all since the start; see ``powers``.
 PUMP, ACCUMULATOR, TANK, PISTON, THROTTLING, CONVERTER_FRICTION, COMPRESSION, RELIEF = range(8)
 ENERGIES = 8
@@ -47,9 +45,17 @@ def states_of(machine: Machine) -> int:
 
 
 @kernel
-def _pressure_rate(pressure: float, rate: float) -> float:
+def pressure_rate(pressure: float, rate: float) -> float:
     """Return the rate of a chamber's pressure; cavitation holds it at its floor of 0 Pa."""
     return 0.0 if pressure <= 0 and rate < 0 else rate
+
+
+@inlined_kernel
+def standing_at(place: float, machine: Machine) -> int:
+    """Return the end at which a converter's piston stands, +1 full or −1 empty; 0 between them."""
+    if abs(place) < machine.converter_travel:
+        return 0
+    return 1 if place > 0 else -1
 
 
 @inlined_kernel
@@ -85,46 +91,16 @@ def rates(
         Load and inertia about the present position.
     """
     pressure_a, pressure_b = state[PRESSURE_A], state[PRESSURE_B]
-    flow_a, flow_b = _supply_flows(
+    flow_a, flow_b = supply_flows(
         state, pressure_a, pressure_b, lines, pumping, machine, slope, power
     )
-    _chamber_rates(
+    chamber_rates(
         state, flow_a, flow_b, machine.hose_a, machine.hose_b, 0.0, machine, burden, slope, power
     )
 
 
-@kernel
-def rates_with_lines(
-    state: FloatArray,
-    lines: FloatArray,
-    pumping: float,
-    machine: Machine,
-    burden: Burden,
-    slope: FloatArray,
-    power: FloatArray,
-    _chambers: FloatArray | None = None,
-) -> None:
-    """Do what ``rates`` does for the ``(S + 4,)`` states of a machine with hoses as lines.
-
-    Each hose is a volume at the valves' end and one lump of oil with inertia and laminar friction.
-    """
-    own = states_of(machine)
-    end_a, end_b = state[own + VALVE_END_A], state[own + VALVE_END_B]
-    line_a, line_b = state[own + LINE_A], state[own + LINE_B]
-    flow_a, flow_b = _supply_flows(state, end_a, end_b, lines, pumping, machine, slope, power)
-    modulus = 1 / (1 / machine.oil + 1 / machine.hose)  # Eq. 4 of a volume that is all hose
-    into_a, into_b = flow_a - line_a, flow_b - line_b
-    slope[own + VALVE_END_A] = _pressure_rate(end_a, modulus / machine.hose_a * into_a)
-    slope[own + VALVE_END_B] = _pressure_rate(end_b, modulus / machine.hose_b * into_b)
-    drop_a, drop_b = end_a - state[PRESSURE_A], end_b - state[PRESSURE_B]
-    slope[own + LINE_A] = (drop_a - machine.line_resistance * line_a) / machine.line_inertance
-    slope[own + LINE_B] = (drop_b - machine.line_resistance_b * line_b) / machine.line_inertance_b
-    stored = end_a * into_a + end_b * into_b + drop_a * line_a + drop_b * line_b
-    _chamber_rates(state, line_a, line_b, 0.0, 0.0, stored, machine, burden, slope, power)
-
-
 @inlined_kernel
-def _supply_flows(
+def supply_flows(
     state: FloatArray,
     pressure_a: float,
     pressure_b: float,
@@ -153,10 +129,7 @@ def _supply_flows(
         ideal = pressure
         converter = int(lines[MADE_BY, k])
         if converter >= 0:
-            place = state[CONVERTER + converter]
-            blocked = 0
-            if abs(place) >= machine.converter_travel:
-                blocked = 1 if place > 0 else -1
+            blocked = standing_at(state[CONVERTER + converter], machine)
             pressure = port_pressure(
                 ideal, open_a, open_b, pressure_a, pressure_b, blocked, machine
             )
@@ -227,7 +200,7 @@ def feed(
 
 
 @inlined_kernel
-def _chamber_rates(
+def chamber_rates(
     state: FloatArray,
     flow_a: float,
     flow_b: float,
@@ -276,7 +249,7 @@ def chamber_rate(
         Oil and hose.
     """
     bulk = effective_bulk_modulus(machine.oil, machine.hose, hose, volume)
-    return _pressure_rate(pressure, bulk / volume * squeezed)  # Eq. 1, lines 1 and 2
+    return pressure_rate(pressure, bulk / volume * squeezed)  # Eq. 1, lines 1 and 2
 
 
 @inlined_kernel

@@ -178,17 +178,8 @@ def _control(
     if stop:
         memory.choice[:] = 0
         return
-    supplies = line_pressures(memory.filtered[4], memory.filtered[3], space)
     if more is not None:
-        pressures = np.empty(len(memory.choice))
-        for i in range(len(memory.filtered)):
-            chamber = chamber_of_signal(i, len(memory.converters))
-            if chamber >= 0:
-                pressures[chamber] = memory.filtered[i]
-        decide_of_chambers(
-            force, pressures, position, velocity, supplies, memory.converters, memory.choice,
-            space, more,
-        )  # fmt: skip
+        decide_for_more(memory, force, position, velocity, space, more)
         return
     memory.choice[0], memory.choice[1] = decide(
         force,
@@ -196,12 +187,44 @@ def _control(
         memory.filtered[2],
         position,
         velocity,
-        supplies,
+        line_pressures(memory.filtered[4], memory.filtered[3], space),
         memory.converters,
         memory.choice[0],
         memory.choice[1],
         space,
         settings,
+    )
+
+
+@kernel
+def decide_for_more(
+    memory: Memory,
+    force: float,
+    position: float,
+    velocity: float,
+    space: SearchSpace,
+    more: MoreChambers,
+) -> None:
+    """Replace the choice of a machine of more than two chambers.
+
+    It is a kernel of its own so that the cache tells for which machines the loop is compiled, see
+    ``mptune.verify.precompile``; for two chambers another call would cost a hundredth of the speed.
+    """
+    pressures = np.empty(len(memory.choice))
+    for i in range(len(memory.filtered)):
+        chamber = chamber_of_signal(i, len(memory.converters))
+        if chamber >= 0:
+            pressures[chamber] = memory.filtered[i]
+    decide_of_chambers(
+        force,
+        pressures,
+        position,
+        velocity,
+        line_pressures(memory.filtered[4], memory.filtered[3], space),
+        memory.converters,
+        memory.choice,
+        space,
+        more,
     )
 
 

@@ -11,19 +11,18 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from mptune.arrays import FloatArray, inlined_kernel, kernel, lending_kernel
-from mptune.params.packed import LINE_ROWS, OPEN_ROWS
+from mptune.params.packed import LINE_ROWS, OPEN_ROWS, SUBSTEPS
 from mptune.plant.chamber_valves import open_valves_of_chambers
-from mptune.plant.chambers import place_of, rates_of_chambers
+from mptune.plant.chambers import further_states, place_of, rates_of_chambers
+from mptune.plant.hoses import LINE_STATES, rates_with_lines
 from mptune.plant.machine import (
     CONVERTER,
     ENERGIES,
-    LINE_STATES,
     PRESSURE_A,
     PRESSURE_B,
     V,
     X,
     rates,
-    rates_with_lines,
     states_of,
 )
 from mptune.plant.piston import burden_at
@@ -35,12 +34,11 @@ if TYPE_CHECKING:
     from mptune.params.packed import Machine, MoreChambers
     from mptune.plant.piston import Burden
 
-SUBSTEPS, CALM_SUBSTEPS = 5, 2  # of the machine's integration in one tick of 0.5 ms
+CALM_SUBSTEPS = 2  # instead of SUBSTEPS
 # A loop of known length is faster: that of the paper's machine. Shorter states have hose lines'
 # behind them, which do not change.
 _COMPILED = 9
 _CALM = 1e4  # Pa over one tick: slower pressures are calm
-_FURTHER = 2  # pressures behind the machine's own states: valves' ends, or chambers C and D
 
 
 class Work(NamedTuple):
@@ -190,10 +188,23 @@ def _spend(energy: FloatArray, share: float, power: FloatArray) -> None:
         energy[i] += share * power[i]
 
 
-def _stepper(slopes: Callable[..., None], more: int, pressures: int) -> Callable[..., None]:
+@inlined_kernel
+def _no_more(_chambers: FloatArray | None) -> tuple[int, int]:
+    return 0, 0
+
+
+@inlined_kernel
+def _of_two_lines(_chambers: FloatArray | None) -> tuple[int, int]:
+    return LINE_STATES, LINE_STATES // 2
+
+
+def _stepper(
+    slopes: Callable[..., None], further: Callable[..., tuple[int, int]]
+) -> Callable[..., None]:
     """Return one step of the classical Runge-Kutta method for a right-hand side of its own.
 
-    ``more`` are the states that it has beyond the machine's own, the first of them ``pressures``.
+    ``further`` gives how many states it has beyond the machine's own, and how many of them, the
+    first, are pressures.
     """
 
     def step(
@@ -208,6 +219,7 @@ def _stepper(slopes: Callable[..., None], more: int, pressures: int) -> Callable
     ) -> None:
         k1, k2, k3, k4 = work.k1, work.k2, work.k3, work.k4
         ahead, power = work.ahead, work.power
+        more, pressures = further(chambers)
         count = states_of(machine) + more
         slopes(state, work.start, pumping, machine, burden, k1, power, chambers)
         _spend(energy, h / 6, power)
@@ -254,6 +266,6 @@ def _stops(state: FloatArray, machine: Machine, further: int) -> None:
         state[CONVERTER + i] = min(max(place, -machine.converter_travel), machine.converter_travel)
 
 
-runge_kutta = inlined_kernel(_stepper(rates, 0, 0))
-runge_kutta_with_lines = lending_kernel(_stepper(rates_with_lines, LINE_STATES, _FURTHER))
-runge_kutta_of_chambers = lending_kernel(_stepper(rates_of_chambers, _FURTHER, _FURTHER))
+runge_kutta = inlined_kernel(_stepper(rates, _no_more))
+runge_kutta_with_lines = lending_kernel(_stepper(rates_with_lines, _of_two_lines))
+runge_kutta_of_chambers = lending_kernel(_stepper(rates_of_chambers, further_states))

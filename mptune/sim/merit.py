@@ -163,3 +163,4 @@ TABULATED = tuple(
         "valve_switches",
     )
 )
+OF_CONVERTERS = merit("converter_peak_mm")

@@ -46,14 +46,14 @@ def new_memory(
     pressure_a = (load + machine.area_b * pressure_b) / machine.area_a
     own = plant.CONVERTER + machine.converters
     sides = [one.side for one in study.study.all_chambers]
-    further = [pressure_a if side is Side.PUSHING else pressure_b for side in sides[2:]]
-    state: FloatArray = np.zeros(own + plant.LINE_STATES)
+    every = [pressure_a if side is Side.PUSHING else pressure_b for side in sides]
+    further = every[2:]
+    # Chambers, then the valves' ends of the hoses as lines, then the flows along these.
+    behind = [*further, *every, *np.zeros(len(every))]
+    state: FloatArray = np.zeros(own + len(behind))
     state[plant.X], state[plant.OIL] = start, oil_at_pressure(high, machine)
-    state[[plant.PRESSURE_A, own + plant.VALVE_END_A]] = pressure_a
-    state[[plant.PRESSURE_B, own + plant.VALVE_END_B]] = pressure_b
-    if further:  # in the place of the hoses' own states
-        state[own:] = 0.0
-        state[own : own + len(further)] = further
+    state[[plant.PRESSURE_A, plant.PRESSURE_B]] = every[:2]
+    state[own:] = behind
     usual = (start, pressure_a, pressure_b, high, machine.low_pressure)
     signals = np.array([*usual, *np.zeros(machine.converters), *further])
     outer = np.zeros(OUTER_PLACES)

@@ -14,26 +14,37 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mptune.force.select import decide
 from mptune.kernel_cache import is_compiled
-from mptune.sim.closed_loop import run_ticks
+from mptune.params.chambers import NUMBERS, Side
+from mptune.sim.closed_loop import decide_for_more, run_ticks
 
 if TYPE_CHECKING:
     from collections.abc import Callable, Iterator
 
+    from mptune.params.study import ResolvedStudy
+
 _MOST = 300.0  # s: then the kernels are compiled here after all
+_SMALL = ("verification.repeats=1", "verification.seeds=[1]")
+_MORE = "--more-chambers"
+# Four chambers in the place of the template's two: no size is compiled in.
+_PAIR = ", ".join(f'{{side="{one}", area="40 cm^2", dead_volume="0.4 dm^3"}}' for one in Side)
+_CHAMBERS = (f"chambers=[{_PAIR}, {_PAIR}]", 'edges.states=["all"]')
 
 
 @contextmanager
-def precompiling() -> Iterator[Callable[[], None]]:
-    """Compile the simulator beside the block; yield a function that waits until that is done.
+def precompiling(study: ResolvedStudy) -> Iterator[Callable[[], None]]:
+    """Compile a study's simulator beside the block; yield a function that waits until it is done.
 
     Whatever becomes of the other process, nothing is lost but time: what it has not compiled is
     compiled here when it is needed.
     """
-    if is_compiled(run_ticks):
+    more = len(study.study.all_chambers) > NUMBERS[0]
+    loop = (decide_for_more,) if more else (run_ticks, decide)
+    if all(is_compiled(one) for one in loop):
         yield lambda: None
         return
-    command = [sys.executable, "-m", "mptune.verify.precompile"]
+    command = [sys.executable, "-m", "mptune.verify.precompile", *([_MORE] if more else [])]
     silent = subprocess.DEVNULL
     process = subprocess.Popen(command, stdin=silent, stdout=silent, stderr=silent)  # noqa: S603 - our own module
 
@@ -48,15 +59,16 @@ def precompiling() -> Iterator[Callable[[], None]]:
         process.wait()
 
 
-def main() -> None:
-    """Run the template study's machine through one movement set."""
+def compile_simulator(*, more: bool) -> None:
+    """Run the template study's machine, or one of four chambers, through one movement set."""
     from mptune.params.load import load_study
     from mptune.verify.verify import cases_of, run_case
 
+    changes = [*_SMALL, *(_CHAMBERS if more else ())]
     with resources.as_file(resources.files("mptune.params").joinpath("template.toml")) as path:
-        study = load_study(Path(path), ["verification.repeats=1", "verification.seeds=[1]"])
+        study = load_study(Path(path), changes)
     run_case(study, cases_of(study)[0], study.study.gains, study.study.feedforward)
 
 
 if __name__ == "__main__":
-    main()
+    compile_simulator(more=_MORE in sys.argv[1:])

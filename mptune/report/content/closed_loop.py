@@ -28,6 +28,13 @@ from mptune.report.blocks import (
     wide,
 )
 from mptune.report.content.commanded import followed_speeds
+from mptune.report.content.kind_of_machine import (
+    largest_words,
+    loss_source,
+    loss_words,
+    supply_words,
+    valve_state_words,
+)
 from mptune.sim.merit import TABULATED, merit
 from mptune.units import number
 
@@ -97,11 +104,11 @@ def nonlinear_machine(results: Results) -> Chapter | None:
     if verified is None or not verified.cases:
         return None
     traces: list[Block] = []
+    study = results.study
     for case in verified.worst_per_mass():
         caption = (
             f"One movement set of the nonlinear machine with {case.mass_kg / 1e3:g} t, the worst "
-            "case of its mass. In the valve states, crossflow is above the upper dotted line, one "
-            "valve between the lines, both valves below."
+            f"case of its mass.{valve_state_words(study)}"
         )
         traces += [Break(), Figure(caption, machine_figure(case.mass_kg))]
     table = machines(verified)
@@ -109,22 +116,21 @@ def nonlinear_machine(results: Results) -> Chapter | None:
         table.title,
         Prose(
             "The exported gains on the bundled simulator: valves with delays of their own and "
-            "opening ramps, signed orifices, hoses, friction, accumulator, pump and converter "
-            "cylinders, sensor noise, the filters, and the force controller of Eq. 5 to Eq. 10. "
-            "The first movement set of each case is left out of the figures."
+            f"opening ramps, signed orifices, hoses, friction, {supply_words(study)}, sensor "
+            "noise, the filters, and the force controller of Eq. 5 to Eq. 10. The first movement "
+            "set of each case is left out of the figures."
         ),
         table,
         Note(
-            "Means over the movement sets; final error and converter position are the largest. "
-            "Loss: accumulator power less piston power, per millimetre of travel. "
-            + busiest_valve(verified)
+            f"Means over the movement sets; {largest_words(study)}. Loss: {loss_words(study)}, per "
+            "millimetre of travel. " + busiest_valve(verified)
         ),
         *followed_speeds(verified),
         *_measured(verified).titled(),
         Note(
             (_OF_THE_PAPER if papers_masses(verified) else "")
-            + "Predicted: without fitting. Calibrated: the loss through the reading of Q_conv, the "
-            "force error through the position noise."
+            + f"Predicted: without fitting. Calibrated: {loss_source(study)}, the force error "
+            "through the position noise."
         ),
         *(_other_systems().titled() if papers_masses(verified) else ()),
         *traces,

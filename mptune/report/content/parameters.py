@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 from mptune.loops.family import derived_time_constants
 from mptune.params.chambers import LETTERS
+from mptune.params.lines import instead_of_supplies, nominal_pressures
 from mptune.params.paper import LEDGER
 from mptune.params.requirements import Requirements
 from mptune.params.section import Section
@@ -44,7 +45,7 @@ def parameters(results: Results) -> Chapter:
 
 def _sections(study: ResolvedStudy) -> Iterator[Block]:
     values = study.study.model_copy(update={"uncertainty": study.uncertainty})
-    chosen = study.uncertainty_name
+    chosen, of_lines = study.uncertainty_name, instead_of_supplies(study.study.lines)
     columns = [wide("Symbol", 1.6), wide("Meaning", 5.2), wide("Value", 3.6), wide("Source", 6.6)]
     for name in type(study.study).model_fields:
         part = getattr(values, name)
@@ -59,11 +60,13 @@ def _sections(study: ResolvedStudy) -> Iterator[Block]:
                 Cell(study.study.source_of(f"{prefix}.{key}") or "this study", "small"),
             ]
             for key, unit, mark, meaning in part.quantities()
-            if _is_given(getattr(part, key))
+            if _is_given(getattr(part, key)) and not (name == "supplies" and key in of_lines)
         ]
         if isinstance(part, Requirements):
             rows = [*_ratios(part, study), *rows, *_bounds(part, study)]
         yield from Tabular(name, columns, rows).titled()
+    if study.study.lines:
+        yield from _lines(study).titled()
     if study.study.chambers:
         yield from _chambers(study).titled()
     yield from _moves(study).titled()
@@ -90,6 +93,28 @@ def _bounds(asked: Requirements, study: ResolvedStudy) -> Iterator[Row]:
             source = study.study.source_of(f"requirements.bounds.{key}") or "this study"
             text = shown(pair, unit, ranged=True)
             yield [symbol(mark), meaning, text, Cell(source, "small")]
+
+
+def _lines(study: ResolvedStudy) -> Tabular:
+    """Return the lines, the lowest pressure first."""
+    lines, rule = study.study.lines, study.study.edge_rule
+    rows: list[Row] = [
+        [
+            str(count),
+            one.kind.value,
+            shown(pressure, "Pa"),
+            "—" if one.between is None else f"{one.between[0]} and {one.between[1]}",
+            "—" if one.share is None else number(one.share),
+            ", ".join(map(number, sizes)),
+        ]
+        for count, (one, pressure, sizes) in enumerate(
+            zip(lines, nominal_pressures(lines), rule.sizes, strict=True), 1
+        )
+    ]
+    columns = left("Line", "Kind") + right(
+        "Pressure", "Made between", "Share of the upper", "Valves' sizes"
+    )
+    return Tabular("lines", columns, rows, legend=study.study.source_of("lines"))
 
 
 def _chambers(study: ResolvedStudy) -> Tabular:

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 from scipy.stats import spearmanr
 
+from mptune.campaign.plan import plan_campaign
 from mptune.campaign.result import QUANTILES, CampaignResult
 from mptune.campaign.simulate import FIGURES
+from mptune.cli.show_campaign import campaign
 
 
 @pytest.fixture
@@ -78,3 +80,23 @@ def test_json_says_where_the_worst_is_and_can_be_written(made):
     assert worst["worst"] == pytest.approx(worst["worst_at"]["mass_kg"] / 1e3)
     assert values["parameters"]["mass_kg"] == [24500, 49000]
     assert values["first_failures"] == [4, 17]
+
+
+def test_of_converters_is_shown_where_there_are_some(load_shape, capsys):
+    """A panel, a column of correlations and a row of the table; none that holds nothing."""
+    for name, some in (("four-chamber", False), ("four-converters", True)):
+        one = plan_campaign(load_shape(name, "campaign.runs=20"))
+        figures = np.random.default_rng(3).random((20, len(FIGURES)))
+        if not some:
+            figures[:, FIGURES.index("converter_peak_mm")] = np.nan
+        told = np.full(20, "stable", "U32"), np.full(20, "", "U64")
+        result = CampaignResult(one, figures, *told)
+        drawn = result.plot().axes
+        panels = [axes for axes in drawn[:6] if axes.axison]
+        assert ["Converter" in axes.get_xlabel() for axes in panels].count(True) == some
+        assert all(axes.lines for axes in panels)
+        columns = [text.get_text() for text in drawn[6].get_xticklabels()]
+        assert ("converter" in columns) == some
+        assert len(columns) == len(panels)
+        campaign(result)
+        assert ("converter_peak_mm" in capsys.readouterr().out) == some

@@ -6,6 +6,7 @@ import xarray as xr
 
 from mptune.campaign.adversary import find_worst
 from mptune.campaign.campaign import run_campaign
+from mptune.campaign.plan import plan_campaign
 from mptune.campaign.simulate import FIGURES, Controlled, figures_of, simulate, simulate_rows
 from mptune.campaign.workers import Workers, workers
 from mptune.claim import claimed
@@ -37,6 +38,17 @@ def test_a_run_is_replayed_exactly(plan, run, number):
     shared = Controlled(one.study, one.gains, one.feedforward)
     again = figures_of(simulate(shared, one.draw(number), number))
     assert np.array_equal(run(one).figures[number], again, equal_nan=True)
+
+
+def test_four_chambers_are_drawn_with_their_hoses_as_lines_and_without(load_shape, run):
+    short = 'manoeuvre=[{distance="5 mm", duration="0.3 s", rest="0.1 s"}]'
+    study = load_shape("four-converters", short, "campaign.lines=[0, 1]", "campaign.runs=6")
+    one = plan_campaign(study)
+    lined = [one.draw(number).lines >= 0.5 for number in range(6)]
+    assert 0 < sum(lined) < 6
+    result = run(one)
+    assert np.isfinite(result.column("performance_index_ms")).all()
+    assert result.column("energy_residual").max() < 5e-3
 
 
 def test_the_file_says_what_was_run(plan, run, tmp_path):

@@ -6,6 +6,7 @@ import pytest
 from mptune.campaign.draw import PARAMETER_UNITS, Draw, box_of, rig_of_draw
 from mptune.campaign.temperature import REFERENCE, temperature_factors
 from mptune.errors import InputError
+from mptune.params.packed import INERTANCE, RESISTANCE
 from mptune.verify.verify import Case, rig_of
 
 TRUE = (0.0, 0.0, 0.0, 0.0, 0.0, 0.0)  # of the sensors
@@ -55,6 +56,17 @@ def test_hoses_become_lines_from_one_half_on(boom, load_boom):
     lined = load_boom("hose.dynamics=true")
     assert rig(lined, lines=1.0)[1].machine == rig(boom, lines=1.0)[1].machine
     assert rig(lined, lines=0.0)[1].machine == rig(boom)[1].machine
+
+
+def test_hoses_of_four_chambers_become_lines_that_warm_with_their_oil(load_shape):
+    """By the same factor as those of two; a chamber without a hose has no line."""
+    study = load_shape("four-converters")
+    assert rig(study, lines=0.0)[1].more.table[INERTANCE].tolist() == [0, 0, 0, 0]
+    cool, warm = (rig(study, lines=1.0, temperature=t)[1] for t in (293.15, 313.15))
+    assert np.flatnonzero(warm.more.table[INERTANCE]).tolist() == [1]
+    factor = cool.machine.line_resistance_b / warm.machine.line_resistance_b
+    assert factor > 1.5
+    assert cool.more.table[RESISTANCE] == pytest.approx(factor * warm.more.table[RESISTANCE])
 
 
 def test_sensors_are_as_untrue_as_they_were_drawn(boom):

@@ -99,7 +99,9 @@ def test_estimator_and_feed_forward_are_the_same_too(estimated_study, prepared, 
     same_decisions(found, recording)
 
 
-@pytest.mark.parametrize("name", ["three-pressure", "digital-valve", "mixed", "four-chamber"])
+@pytest.mark.parametrize(
+    "name", ["three-pressure", "digital-valve", "mixed", "four-chamber", "four-converters"]
+)
 def test_machines_of_other_sizes_are_the_same_to_the_last_bit(load_shape, name, tmp_path):
     study = load_shape(name, MOVES)
     target.write_sources(study, tmp_path / "c")

@@ -10,7 +10,7 @@ from mptune.force.chambers import decide_of_chambers
 from mptune.force.cost import line_pressures
 from mptune.force.search_space import space_of
 from mptune.params.pack import pack_chambers
-from mptune.params.packed import AREA
+from mptune.params.packed import AREA, MADE_BY
 
 pytestmark = pytest.mark.compiled
 
@@ -30,8 +30,8 @@ MODELS = {
 }
 
 
-def states(count, seed, space):
-    random = np.random.default_rng(seed)
+def states(count, seed, space, travel=0.075):
+    random, converters = np.random.default_rng(seed), int(space.lines[MADE_BY].max()) + 1
     for _ in range(count):
         yield {
             "wanted": random.uniform(-2e4, 4e4),
@@ -39,7 +39,7 @@ def states(count, seed, space):
             "x": random.uniform(0, 0.3),
             "v": random.uniform(-0.12, 0.12),
             "supplies": line_pressures(1e6, random.uniform(11e6, 13e6), space),
-            "converters": np.zeros(0),
+            "converters": random.uniform(-travel, travel, converters),
             "present": random.integers(0, len(space.first), 4),
         }
 
@@ -84,6 +84,21 @@ def test_decisions_are_the_cheapest_of_all_combinations(load_shape, name):
         assert costs[chosen] == pytest.approx(min(costs.values()), rel=1e-9, abs=1e-5)
         met.add(chosen)
     assert len(met) > 10
+
+
+def test_decisions_with_converters_are_the_cheapest_of_all_combinations(load_shape):
+    """Every chamber's flow out of a converter's port counts: 4096 combinations of eight states."""
+    study = load_shape("four-converters")
+    space, more = space_of(study), pack_chambers(study)
+    still = more._replace(settings=tuple(one._replace(weight_converter=0.0)
+                                         for one in more.settings))  # fmt: skip
+    differs = 0
+    for case in states(8, 11, space):
+        costs, chosen = plain_costs(case, space, more), decided(case, space, more)
+        assert len(costs) == 4096
+        assert costs[chosen] == pytest.approx(min(costs.values()), rel=1e-9, abs=1e-5)
+        differs += decided(case, space, still) != chosen
+    assert differs > 3
 
 
 def test_a_mirrored_machine_decides_in_mirror_image(load_shape):

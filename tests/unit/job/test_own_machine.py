@@ -21,7 +21,7 @@ def verifying(monkeypatch):
         return f"verified {study}"
 
     monkeypatch.setattr(beside, "verify", verify)
-    monkeypatch.setattr(beside, "precompiling", lambda: nullcontext(lambda: None))
+    monkeypatch.setattr(beside, "precompiling", lambda _: nullcontext(lambda: None))
     return go, told
 
 

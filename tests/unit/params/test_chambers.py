@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from mptune.errors import InputError
+from mptune.export.constants import controller_numbers
+from mptune.export.formats import Precision
 from mptune.force.controller import ForceController
 from mptune.identify.identify import check
 from mptune.loops.family import derived_time_constants, time_constants_at
@@ -53,16 +55,24 @@ def test_chambers_that_make_no_machine_are_refused(load_boom, texts, words):
 @pytest.mark.parametrize(
     ("changes", "words"),
     [
-        ((), "4 converters"),
-        ((*TWO_LINES, "hose.dynamics=true"), "hose.dynamics"),
         ((*TWO_LINES, "controller.horizon=2"), "controller.horizon"),
-        ((*TWO_LINES, "campaign.lines=[0, 1]"), "campaign.lines"),
         ((*TWO_LINES, "controller.max_combinations=80"), "4 chambers and 81 combinations"),
     ],
 )
 def test_what_four_chambers_are_not_simulated_with_is_refused(load_boom, changes, words):
     with pytest.raises(InputError, match=words):
         load_boom(FOUR, *changes, corners=True)
+
+
+@pytest.mark.parametrize("key", ["hose.dynamics=true", "campaign.lines=[0, 1]"])
+def test_hoses_too_short_for_lines_are_refused(load_boom, key):
+    """Not those of no length, which one of four chambers may have; one of two has one always."""
+    far, near = (chamber("pushing", hose_length=f"{length} m") for length in (0.06, 0.05))
+    load_boom(chambers(far, PULL, PUSH, PULL), *TWO_LINES, key, corners=True)
+    with pytest.raises(InputError, match=r"chambers\[3\].hose_length"):
+        load_boom(chambers(far, PULL, near, PULL), *TWO_LINES, key, corners=True)
+    with pytest.raises(InputError, match=r"hose.length_b.* = 0 mm is too short"):
+        load_boom("hose.length_b=0 m", key, corners=True)
 
 
 def test_the_cylinder_written_out_is_its_short_form(load_boom, boom):
@@ -81,6 +91,16 @@ def test_the_cylinder_written_out_is_its_short_form(load_boom, boom):
     for one, other in zip(derived_time_constants(study), derived_time_constants(boom), strict=True):
         assert one == pytest.approx(other, rel=1e-13)
     assert hose.diameter == study.study.hose.diameter
+
+
+def test_valves_that_both_of_two_chambers_have_are_the_machine_s(load_boom, boom):
+    study = load_boom(chambers(*(chamber(side, valves=2) for side in ("pushing", "pulling"))))
+    one = pack_machine(boom, 1.0, 1.2e9, 0.0).flow_coefficient
+    assert pack_machine(study, 1.0, 1.2e9, 0.0).flow_coefficient == 2 * one
+    gains, ahead = study.study.gains, study.study.feedforward
+    numbers = controller_numbers(study, gains, ahead, Precision.DOUBLE)
+    for own in numbers.chambers:
+        assert {n.key: n.value for n in own}["flow_coefficient"] == 2 * one
 
 
 def test_of_the_short_form_nothing_counts_beside_chambers(load_boom):

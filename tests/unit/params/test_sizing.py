@@ -118,6 +118,17 @@ def test_a_longer_travel_needs_a_smaller_weight(boom, factor):
         assert other == pytest.approx(one / factor**3)
 
 
+def test_a_chamber_s_larger_valves_need_a_smaller_weight(load_shape):
+    """Twice the oil through the valves of all that pushes; pulling chambers have no part in it."""
+    study = load_shape("four-converters").study
+    larger = tuple(
+        one.model_copy(update={"valves": (2 if one.side == "pushing" else 3) * one.valves})
+        for one in study.chambers
+    )
+    found = sizing.converter_weights(study.model_copy(update={"chambers": larger}))
+    assert found == pytest.approx([one / 2 for one in sizing.converter_weights(study)])
+
+
 # Advice -----------------------------------------------------------------------------------------
 
 

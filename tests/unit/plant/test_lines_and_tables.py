@@ -9,6 +9,7 @@ from mptune.params.line_table import paper_table
 from mptune.params.load import load_study
 from mptune.params.pack import pack_machine, pack_table
 from mptune.params.packed import NO_TABLE
+from mptune.plant import hoses
 from mptune.plant import machine as plant
 from mptune.plant.piston import burden_at
 
@@ -54,7 +55,7 @@ def test_varying_inertia_keeps_kinetic_energy(boom):
     )
     table = np.array([[0.0, 0.0, 1.3], [0.3, 0.0, 0.7]])
     balanced = 5e6
-    state = np.zeros(STATES + plant.LINE_STATES)
+    state = np.zeros(STATES + hoses.LINE_STATES)
     state[plant.X], state[plant.V] = 0.12, 0.08
     state[plant.PRESSURE_A], state[plant.PRESSURE_B] = balanced, balanced
     machine = machine._replace(area_b=machine.area_a)
@@ -72,15 +73,15 @@ def test_powers_balance_with_lines(load_boom):
     study = load_boom("hose.dynamics=true")
     machine, random = pack_machine(study, 24500.0, 1.2e9, 9700.0), np.random.default_rng(5)
     for _ in range(50):
-        state = np.zeros(STATES + plant.LINE_STATES)
+        state = np.zeros(STATES + hoses.LINE_STATES)
         state[plant.X], state[plant.V] = random.uniform(0.05, 0.25), random.uniform(-0.1, 0.1)
         state[[2, 3, 9, 10]] = random.uniform(2e6, 14e6, 4)
         state[[11, 12]] = random.uniform(-5e-4, 5e-4, 2)
         state[plant.OIL] = 8e-4
         open_a, open_b = random.integers(0, 3, (2, 6)).astype(float)
-        slope, power = np.zeros(STATES + plant.LINE_STATES), np.zeros(plant.ENERGIES)
+        slope, power = np.zeros(STATES + hoses.LINE_STATES), np.zeros(plant.ENERGIES)
         burden = burden_at(state[plant.X], machine, NO_TABLE)
-        plant.rates_with_lines(
+        hoses.rates_with_lines(
             state, opened(LINES, open_a, open_b), 1.0, machine, burden, slope, power
         )
         given = power[plant.ACCUMULATOR] + power[plant.TANK]
@@ -90,11 +91,11 @@ def test_powers_balance_with_lines(load_boom):
 
 def test_lines_at_rest_stay_at_rest(load_boom):
     machine = pack_machine(load_boom("hose.dynamics=true"), 24500.0, 1.2e9, 9700.0)
-    state = np.zeros(STATES + plant.LINE_STATES)
+    state = np.zeros(STATES + hoses.LINE_STATES)
     state[plant.X], state[plant.OIL] = 0.15, 8e-4
     state[[3, 10]] = 6e6
     state[[2, 9]] = (9700.0 + machine.area_b * 6e6) / machine.area_a
-    slope, power = np.zeros(STATES + plant.LINE_STATES), np.zeros(plant.ENERGIES)
+    slope, power = np.zeros(STATES + hoses.LINE_STATES), np.zeros(plant.ENERGIES)
     burden = burden_at(0.15, machine, NO_TABLE)
-    plant.rates_with_lines(state, opened(LINES, 0.0, 0.0), 0.0, machine, burden, slope, power)
+    hoses.rates_with_lines(state, opened(LINES, 0.0, 0.0), 0.0, machine, burden, slope, power)
     np.testing.assert_allclose(slope, 0, atol=1e-12)

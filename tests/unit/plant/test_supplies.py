@@ -12,12 +12,8 @@ from mptune.params.line_table import paper_table
 from mptune.params.pack import pack_machine
 from mptune.params.packed import BASE, SHARE
 from mptune.plant.flow import orifice
-from mptune.plant.supplies import (
-    accumulator_pressure,
-    line_pressure,
-    oil_at_pressure,
-    port_pressure,
-)
+from mptune.plant.port import port_pressure
+from mptune.plant.supplies import accumulator_pressure, line_pressure, oil_at_pressure
 
 FRICTION_FLOW = 2e-6  # m³/s
 pressures = st.floats(0.0, 17e6)

@@ -7,7 +7,7 @@ import json
 import numpy as np
 import pytest
 
-from mptune.figures.systems import loss_over_index
+from mptune.figures.systems import _ticks_among, loss_over_index
 from mptune.job.kept_rows import checked_rows
 from mptune.params.load import load_study
 from mptune.report.content.systems import compared
@@ -193,3 +193,16 @@ def test_no_mass_is_drawn_beyond_the_axes():
     for axes in loss_over_index(rows).axes:
         assert axes.get_ylim()[0] == 0
         assert axes.get_ylim()[1] > 3
+
+
+@pytest.mark.parametrize(
+    ("least", "most", "ticks"),
+    [
+        (4.7, 150.0, [5, 10, 20, 30, 50, 100]),
+        (2.7, 2100.0, [3, 10, 30, 100, 300, 1000]),
+        (2.0, 1e6, [10, 100, 1000, 10_000, 100_000, 1_000_000]),
+    ],
+)
+def test_texts_beside_a_wide_axis_stay_apart(least, most, ticks):
+    found = _ticks_among([least, most])
+    assert [tick for tick in found if least <= tick <= most] == ticks

@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 from loads import CASE, MOVES, figures
 
-from mptune.job.systems import neighbour
+from mptune.job.systems import neighbour, this_machine
 from mptune.params.controller import Feedforward
 from mptune.params.load import load_study
 from mptune.systems.contender import contenders
@@ -44,6 +44,12 @@ def test_the_literature_s_four_chamber_controller_has_nothing_fed_forward(short)
     assert figures(one.literature.run(FEW, 1.0)) == figures(without.literature.run(FEW, 1.0))
     own, tuned = one.others
     assert tuned.run(FEW, 1.0).worth < 0.8 * own.run(FEW, 1.0).worth
+
+
+def test_the_boundary_of_the_loss_is_where_the_machine_has_it(boom, load_shape):
+    for study, words in ((boom, "accumulator"), (load_shape("four-chamber"), "lines but the")):
+        entrants = this_machine(study, study.study.gains, study.study.feedforward)
+        assert all(words in one.boundary for one in entrants)
 
 
 def four_chambers_ahead(study, **changes):
