@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from mptune.errors import InputError
-from mptune.force.controller import ForceController
 from mptune.identify.identify import check
 from mptune.loops.family import derived_time_constants, time_constants_at
 from mptune.loops.force_dynamics import force_dynamics
@@ -133,7 +132,6 @@ def test_a_side_s_lag_is_the_mean_of_its_chambers_by_area(load_boom):
     ("refused", "words"),
     [
         (check, "no identification of the force loop"),
-        (ForceController, "no step-by-step controller"),
     ],
 )
 def test_what_is_not_done_for_four_chambers_is_refused(load_shape, boom, refused, words):
