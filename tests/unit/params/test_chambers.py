@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from mptune.errors import InputError
-from mptune.identify.identify import check
 from mptune.loops.family import derived_time_constants, time_constants_at
 from mptune.loops.force_dynamics import force_dynamics
 from mptune.params.pack import pack_chambers, pack_force, pack_machine
@@ -126,15 +125,3 @@ def test_a_side_s_lag_is_the_mean_of_its_chambers_by_area(load_boom):
         shares, (singles[0], tau_b, singles[1], tau_b), strict=True))  # fmt: skip
     lumped = force_dynamics(s, tau_a, tau_b, study.study.share_a)
     assert abs(lumped - exact) < 1e-2 * abs(s * tau_a) ** 2
-
-
-@pytest.mark.parametrize(
-    ("refused", "words"),
-    [
-        (check, "no identification of the force loop"),
-    ],
-)
-def test_what_is_not_done_for_four_chambers_is_refused(load_shape, boom, refused, words):
-    refused(boom)
-    with pytest.raises(InputError, match=words):
-        refused(load_shape("four-chamber"))
