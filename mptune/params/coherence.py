@@ -136,8 +136,6 @@ def _of_two_chambers(study: Study) -> Iterator[Fault]:
         yield Fault("lines", f"{study.converters} converters", rule, remedy)
     if study.hose.dynamics:
         yield Fault("hose.dynamics", "true", rule, "leave it out")
-    if study.controller.horizon > 1:
-        yield Fault("controller.horizon", str(study.controller.horizon), rule, "leave it out")
     if study.campaign.lines is not None and study.campaign.lines[1] > 0:
         yield Fault("campaign.lines", f"{study.campaign.lines[1]:g}", rule, "leave it out")
 

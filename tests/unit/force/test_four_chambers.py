@@ -54,7 +54,7 @@ def decided(case, space, more):
 
 
 def plain_costs(case, space, more):
-    """Costs of all combinations by the plain law of one chamber, as a mapping."""
+    """Costs of all combinations by the plain law of one chamber, as a mapping; their pressures."""
     sides, s = [], more.settings[0]
     for i, settings in enumerate(more.settings):
         side = int(more.table[AREA, i] < 0)
@@ -70,6 +70,21 @@ def plain_costs(case, space, more):
         small = error < width
         total = error**2 / (2 * width) if small else error - width / 2
         found[states_] = total + s.weight_common_mode * abs(after / 4 - middle) + cost
+    return found, [side[0] for side in sides]
+
+
+def plain_costs_ahead(case, space, more):
+    """The same over two periods, of the cheapest combinations of the first."""
+    costs, pressures = plain_costs(case, space, more)
+    s, found = more.settings[0], {}
+    for chosen in sorted(costs, key=costs.get)[: int(s.candidates)]:
+        then = {
+            **case,
+            "p": [one[state] for one, state in zip(pressures, chosen, strict=True)],
+            "x": case["x"] + case["v"] * s.sampling_period,
+            "present": chosen,
+        }
+        found[chosen] = costs[chosen] + min(plain_costs(then, space, more)[0].values())
     return found
 
 
@@ -79,11 +94,44 @@ def test_decisions_are_the_cheapest_of_all_combinations(load_shape, name):
     space, more = space_of(study), pack_chambers(study)
     met = set()
     for case in states(40, 3, space):
-        costs, chosen = plain_costs(case, space, more), decided(case, space, more)
+        costs, chosen = plain_costs(case, space, more)[0], decided(case, space, more)
         assert len(costs) == 81
         assert costs[chosen] == pytest.approx(min(costs.values()), rel=1e-9, abs=1e-5)
         met.add(chosen)
     assert len(met) > 10
+
+
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("candidates", [2, 6])
+def test_two_periods_ahead_the_candidates_cheapest_with_what_follows_is_taken(
+    load_shape, name, candidates
+):
+    two = ("controller.horizon=2", f"controller.candidates={candidates}")
+    study = load_shape("four-chamber", *MODELS[name], *two)
+    space, more = space_of(study), pack_chambers(study)
+    one = more._replace(settings=tuple(s._replace(candidates=0.0) for s in more.settings))
+    differs = 0
+    for case in states(15, 4, space):
+        costs, chosen = plain_costs_ahead(case, space, more), decided(case, space, more)
+        assert costs[chosen] == pytest.approx(min(costs.values()), rel=1e-9, abs=1e-5)
+        differs += chosen != decided(case, space, one)
+    assert differs > 0
+
+
+def test_as_many_candidates_as_combinations_and_one_of_them_agree_at_the_ends(load_shape):
+    """One candidate is the first period's cheapest, whatever follows."""
+    study = load_shape("four-chamber", *MODELS["levers"], "controller.horizon=2")
+    space, more = space_of(study), pack_chambers(study)
+
+    def with_candidates(number):
+        settings = tuple(s._replace(candidates=float(number)) for s in more.settings)
+        return more._replace(settings=settings)
+
+    for case in states(40, 6, space):
+        single = decided(case, space, with_candidates(1))
+        assert single == decided(case, space, with_candidates(0))
+        every = [decided(case, space, with_candidates(n)) for n in (81, 100)]
+        assert every[0] == every[1]
 
 
 def test_a_mirrored_machine_decides_in_mirror_image(load_shape):

@@ -53,7 +53,6 @@ def test_chambers_that_make_no_machine_are_refused(load_boom, texts, words):
     [
         ((), "4 converters"),
         ((*TWO_LINES, "hose.dynamics=true"), "hose.dynamics"),
-        ((*TWO_LINES, "controller.horizon=2"), "controller.horizon"),
         ((*TWO_LINES, "campaign.lines=[0, 1]"), "campaign.lines"),
         ((*TWO_LINES, "controller.max_combinations=80"), "4 chambers and 81 combinations"),
     ],
