@@ -54,14 +54,20 @@ def decided(case, space, more):
     return tuple(int(one) for one in choice)
 
 
-def plain_costs(case, space, more):
-    """Costs of all combinations by the plain law of one chamber, as a mapping; their pressures."""
-    sides, s = [], more.settings[0]
+def plain_sides(case, space, more):
+    """Pressures, signed forces and costs of every chamber's states by the plain law."""
+    sides = []
     for i, settings in enumerate(more.settings):
         side = int(more.table[AREA, i] < 0)
         now = int(case["present"][i])
         after, force, cost = side_of(side, case["p"][i], case["x"], now, case, space, settings)
         sides.append((after, -force if side else force, cost))
+    return sides
+
+
+def plain_costs(case, space, more):
+    """Costs of all combinations by the plain law of one chamber, as a mapping."""
+    sides, s = plain_sides(case, space, more), more.settings[0]
     middle, found = (case["supplies"][0] + case["supplies"][-1]) / 2, {}
     for states_ in product(range(len(space.first)), repeat=4):
         rows = [[column[state] for column in side]
@@ -71,12 +77,13 @@ def plain_costs(case, space, more):
         small = error < width
         total = error**2 / (2 * width) if small else error - width / 2
         found[states_] = total + s.weight_common_mode * abs(after / 4 - middle) + cost
-    return found, [side[0] for side in sides]
+    return found
 
 
 def plain_costs_ahead(case, space, more):
     """The same over two periods, of the cheapest combinations of the first."""
-    costs, pressures = plain_costs(case, space, more)
+    costs = plain_costs(case, space, more)
+    pressures = [side[0] for side in plain_sides(case, space, more)]
     s, found = more.settings[0], {}
     for chosen in sorted(costs, key=costs.get)[: int(s.candidates)]:
         then = {
@@ -85,7 +92,7 @@ def plain_costs_ahead(case, space, more):
             "x": case["x"] + case["v"] * s.sampling_period,
             "present": chosen,
         }
-        found[chosen] = costs[chosen] + min(plain_costs(then, space, more)[0].values())
+        found[chosen] = costs[chosen] + min(plain_costs(then, space, more).values())
     return found
 
 
@@ -95,7 +102,7 @@ def test_decisions_are_the_cheapest_of_all_combinations(load_shape, name):
     space, more = space_of(study), pack_chambers(study)
     met = set()
     for case in states(40, 3, space):
-        costs, chosen = plain_costs(case, space, more)[0], decided(case, space, more)
+        costs, chosen = plain_costs(case, space, more), decided(case, space, more)
         assert len(costs) == 81
         assert costs[chosen] == pytest.approx(min(costs.values()), rel=1e-9, abs=1e-5)
         met.add(chosen)
