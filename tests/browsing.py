@@ -7,6 +7,7 @@ import subprocess
 import sys
 
 CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser")
+COMPILED = 600_000  # ms, until which kernels that are kept nowhere are compiled, even beside others
 LINE = "left-velocity"  # the name of Eq. 17's left side among the page's models
 
 
@@ -54,8 +55,8 @@ def opened(browser, address, **kwargs):
     page.on("console", lambda message: said.append(message.text) if message.type == "error" else 0)
     page.on("pageerror", lambda error: said.append(str(error)))
     page.on("request", lambda request: asked.append(request.url))
-    page.goto(address)
-    page.wait_for_function(f"() => {_data('left')}?.length > 50", timeout=60_000)
+    page.goto(address, timeout=COMPILED)
+    page.wait_for_function(f"() => {_data('left')}?.length > 50", timeout=COMPILED)
     return page, said, asked
 
 

@@ -29,9 +29,10 @@ def weights(result: WeightsResult) -> None:
         {**found["recommended"], "name": "recommended"},
         {**found["spreads"], "name": "spread"},
     ]
+    first = "W_conv, then W_loss" if result.study.study.converters else "W_loss"
     usable = f"{found['trials']} trials, {found['usable_trials']} of them usable"
     show(
-        trials("§5.4's order: W_conv, then W_loss, then W_sw", steps),
+        trials(f"§5.4's order: {first}, then W_sw", steps),
         trials(f"Pareto front of {usable}", front),
         trials("Again, with random numbers that the search has not seen", again),
     )

@@ -31,6 +31,9 @@ _GLANCE = 250  # ms, between looks at how many tabs are open
 # ms, that a session may wait for its tab to connect, or outlives it, and between looks. A session
 # that is made anew because a slow browser came too late would look for Panel's styles elsewhere.
 _LIFETIME, _CHECK = 60_000, 5_000
+# s, that a page's token counts. It is given out before the page is made, and kernels that are kept
+# nowhere are compiled meanwhile: minutes on a busy machine, after which a tab would stay empty.
+_TOKEN = 24 * 3600
 
 
 class PageServer:
@@ -60,6 +63,7 @@ class PageServer:
             extra_patterns=get_static_routes({}),
             unused_session_lifetime_milliseconds=_LIFETIME,
             check_unused_sessions_milliseconds=_CHECK,
+            session_token_expiration=_TOKEN,
             use_index=False,
             redirect_root=False,
         )

@@ -37,7 +37,7 @@ _CONSTANTS = """\
 #define MPTUNE_SIGNALS (5U + MPTUNE_CONVERTERS + MPTUNE_FURTHER) /* the samples of mptune_inputs */
 #define MPTUNE_VALVES {valves}U /* valves of one chamber: of a line in parallel, line by line */
 #define MPTUNE_STATES {states}U /* valve states of one chamber, Eq. 6 */
-#define MPTUNE_CANDIDATES {candidates}U /* pairs looked at two periods ahead; at least 1 */
+#define MPTUNE_CANDIDATES {candidates}U /* combinations looked at two periods ahead; at least 1 */
 #define MPTUNE_MARGINS_SATISFIED {trusted} /* 0 where the export was forced */
 #define MPTUNE_VERDICT "{verdict}"
 #define MPTUNE_STUDY_HASH "{hash}"

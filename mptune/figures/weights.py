@@ -11,7 +11,7 @@ from mptune.sim.merit import merit
 from mptune.weigh.trial import OBJECTIVES
 
 if TYPE_CHECKING:
-    from collections.abc import Callable
+    from collections.abc import Callable, Iterator
 
     from matplotlib.figure import Figure
 
@@ -23,6 +23,7 @@ _LABELS = {
     "weight_switching": "W_sw [N]",
     "weight_loss": "W_loss [N/J]",
     "weight_converter": "W_conv [N s/m⁶]",
+    "weight_compression": "W_comp [N/J]",
 }
 _PLANES = (
     ("performance_index_ms", "energy_loss_j_per_mm"),
@@ -30,7 +31,6 @@ _PLANES = (
     ("valve_switches", "energy_loss_j_per_mm"),
     ("valve_switches", "force_error_integral_kn2s"),
     ("weight_loss", "weight_switching"),
-    ("weight_loss", "weight_converter"),
 )
 _DOT: dict[str, Any] = {"linestyle": "", "markeredgewidth": 0.7}
 _UNUSABLE: dict[str, Any] = {**_DOT, "marker": "x", "color": "0.6", "markersize": 4}
@@ -45,7 +45,7 @@ _BEYOND = 1.5  # of the front's range: how far an axis goes
 
 
 def weights_figure(result: WeightsResult) -> Figure:
-    """Draw every trial in four planes of figures and two of weights.
+    """Draw every trial in four planes of figures and one or two of weights.
 
     The study's own and the recommended weights stand where other random numbers put them.
     """
@@ -61,7 +61,10 @@ def weights_figure(result: WeightsResult) -> Figure:
     with style():
         figure = new_figure(5.4)
         axes = figure.subplots(2, 3)
-        for one, (across, up) in zip(axes.ravel(), _PLANES, strict=True):
+        planes = [*_PLANES, *_third_weight(result)]
+        for empty in axes.ravel()[len(planes) :]:
+            empty.set_axis_off()
+        for one, (across, up) in zip(axes.ravel(), planes, strict=False):
             for label, look, trials in layers:
                 x, y = ([_value(trial, name) for trial in trials] for name in (across, up))
                 one.plot(x, y, label=label, **look)
@@ -77,6 +80,15 @@ def weights_figure(result: WeightsResult) -> Figure:
                     _around([_value(trial, name) for trial in shown], set_limits)
         legend_below(figure, axes[0, 0])
     return figure
+
+
+def _third_weight(result: WeightsResult) -> Iterator[tuple[str, str]]:
+    """Yield the plane of W_conv, or of what a decision without converters weighs in its place."""
+    study = result.study.study
+    if study.converters:
+        yield "weight_loss", "weight_converter"
+    elif study.controller.force_model == "steady-state":
+        yield "weight_switching", "weight_compression"
 
 
 def _last_of_the_order(result: WeightsResult) -> list[Trial]:

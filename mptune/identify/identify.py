@@ -17,8 +17,7 @@ from mptune.identify.experiment import Loop, chambers_at, run_force_loop
 from mptune.identify.result import FitStatus, IdentifyResult, Panel
 from mptune.loops.family import time_constants_at
 from mptune.loops.force_dynamics import force_dynamics
-from mptune.params.pack import pack_force, pack_machine, pack_signals
-from mptune.params.two_chambers import needs_two_chambers
+from mptune.params.pack import pack_chambers, pack_force, pack_machine, pack_signals
 from mptune.progress import silent
 
 if TYPE_CHECKING:
@@ -102,7 +101,6 @@ def check(study: ResolvedStudy) -> None:
     InputError
         With every fault found.
     """
-    needs_two_chambers(study, "identification of the force loop", "identify one of two chambers")
     machine, asked = study.study, study.study.identification
     period = machine.controller.sampling_period
     dynamic = machine.controller.force_model == "dynamic"
@@ -154,20 +152,24 @@ def run_points(
     signals, settings = pack_signals(study.study.controller), pack_force(study)
     space, lines = space_of(study), study.study.supplies
     supplies = line_pressures(lines.low_pressure, lines.high_pressure, space)
-    chambers = chambers_at(machine, setting.position, velocity)
+    more = pack_chambers(study)
+    chambers = chambers_at(machine, setting.position, velocity, more)
     delay = setting.valve_delay
     loop = Loop(signals.sample_time, signals.ticks, delay, signals.pressure_pole, delay > 0)
     starts = [p for p, usable in zip(*_start_pressures(study), strict=True) if usable]
     forces = np.empty((len(starts), len(run.reference) - run.start_up))
     outside = np.empty(len(starts))
-    pressures = np.empty((2, len(run.reference)))
+    areas = chambers.areas[:, None]
+    pressures = np.empty((len(areas), len(run.reference)))
     for k, start in enumerate(starts):
+        # All that pushes, and all that pulls, at one pressure each: they hold no load.
         balanced = start * machine.area_a / machine.area_b
+        begin = np.where(chambers.areas > 0, start, balanced)
         run_force_loop(
-            run.reference, start, balanced, chambers, loop, supplies, space, settings, pressures
+            run.reference, begin, chambers, loop, supplies, space, settings, pressures, more
         )
         kept = pressures[:, run.start_up :]
-        forces[k] = machine.area_a * kept[0] - machine.area_b * kept[1]
+        forces[k] = (areas * kept).sum(axis=0)
         beyond = (kept < settings.pressure_min) | (kept > settings.pressure_max)
         outside[k] = beyond.any(axis=0).mean()
     finite = np.isfinite(forces).all(axis=1)

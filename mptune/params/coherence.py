@@ -48,7 +48,6 @@ def refusals_of(study: Study, written: frozenset[str]) -> list[Fault]:
         *_heavy_loads(study, written),
         *_combinations(study),
         *_short_hoses(study),
-        *_of_two_chambers(study),
     ]
 
 
@@ -157,16 +156,6 @@ def _short_hoses(study: Study) -> Iterator[Fault]:
             f"{_STEPS_OF_A_SWING} steps of the simulation",
             "leave that out, and hoses are a part of their chambers",
         )
-
-
-def _of_two_chambers(study: Study) -> Iterator[Fault]:
-    """Refuse what a machine of more than two chambers is not simulated with."""
-    chambers = len(study.all_chambers)
-    rule = f"is for two chambers, and there are {chambers}"
-    if chambers <= NUMBERS[0]:
-        return
-    if study.controller.horizon > 1:
-        yield Fault("controller.horizon", str(study.controller.horizon), rule, "leave it out")
 
 
 def _delays(resolved: ResolvedStudy) -> Iterator[Doubt]:

@@ -98,6 +98,14 @@ class Edges(Section):
 
 PAPER_LINES = 6
 _OF_CONVERTERS = ("converter_area", "converter_friction", "converter_travel")
+# Why a kind can only be the last line, and what else may be done about it.
+_ONLY_LAST = {
+    LineKind.ACCUMULATOR: (
+        "the machine has one volume of gas, and between the two ends no pressure is measured",
+        "make it constant, as a large accumulator nearly is, or ",
+    ),
+    LineKind.PUMP: ("it keeps its margin above the load at the highest line", ""),
+}
 
 
 def edge_rule(lines: Sequence[SupplyLine], edges: Edges) -> EdgeRule:
@@ -132,10 +140,11 @@ def check_lines(lines: Sequence[SupplyLine]) -> None:
                 f"has line {number} of kind {line.kind.value!r}",
                 "the first line, it alone, is a tank",
             )
-        if line.kind in {LineKind.PUMP, LineKind.ACCUMULATOR} and number != last:
+        if line.kind in _ONLY_LAST and number != last:
+            why, remedy = _ONLY_LAST[line.kind]
             refuse(
-                f"has line {number} of kind {line.kind.value!r}, which only the last may be",
-                "order the lines by rising pressure",
+                f"has line {number} of kind {line.kind.value!r}, which only the last may be: {why}",
+                f"{remedy}order the lines by rising pressure",
             )
         if line.kind is LineKind.CONVERTER and lines[-1].kind is LineKind.PUMP:
             refuse("has a converter below a pump", "let an accumulator take its oil back")

@@ -180,8 +180,10 @@ LEDGER = (
         "where Eq. 12 knows no volume. Else its mean lag keeps the value and the slope at s = 0, "
         "and at jω it is off, either way, by at most its share times ω² Var τ/(1 + ω² τ_min²)^1.5 "
         "(Taylor's remainder): 0.0007 of G_F(0) where the four-chamber study has hoses of 12.7 mm "
-        "and 1 m. That lines are few, and forces steps of 4.4 kN there, the linear model does not "
-        "see",
+        "and 1 m. Identified there with small valves and hoses of 0 to 2.5 m, the loop keeps to "
+        "these means within 0.4 dB and 2.4° up to 100 rad/s at 800 MPa. That lines are few, and "
+        "forces steps of 4.4 kN there, the linear model does not see: `mptune identify` finds the "
+        "force up to 12° behind it below 40 rad/s",
     ),
     Disagreement(
         "Eq. 15",

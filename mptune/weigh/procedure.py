@@ -3,26 +3,31 @@
 The paper says by hand and eye what stands here as rules. What counts as too large an error is
 assumed: a tenth more of the performance index, or a quarter more of the force-error integral, than
 the least seen on the way. W_loss and W_sw draw the pistons out again; W_conv is then raised.
-A machine without converters has W_loss and W_sw alone.
+A machine without converters has W_loss and W_sw alone. The ladders are those for the paper's
+machine; another's are so many times as high as ``mptune.weigh.scales`` says.
 """
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mptune.progress import silent
+from mptune.weigh.scales import times_the_papers
 
 if TYPE_CHECKING:
+    from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
     from mptune.weigh.trial import Bench, Trial, Weights
 
 _CONVERTER_SHARE = 0.8  # of the travel: how far pistons may go
 _INDEX_GROWTH, _FORCE_ERROR_GROWTH = 1.1, 1.25
-_CONVERTER = tuple(2e9 * 10**k for k in (0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5))  # N s/m⁶
-_LOSS = tuple(10.0 * 2**k for k in range(7))  # N/J
-_SWITCHING = tuple(12.5 * 2**k for k in range(7))  # N
+_LADDERS = {  # in the order of §5.4
+    "weight_converter": tuple(2e9 * 10**k for k in (0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5)),  # N s/m⁶
+    "weight_loss": tuple(10.0 * 2**k for k in range(7)),  # N/J
+    "weight_switching": tuple(12.5 * 2**k for k in range(7)),  # N
+}
 STAGE = "weights by the paper's order"
-STEPS = len(_CONVERTER) + len(_LOSS) + len(_SWITCHING)  # at most
+STEPS = sum(map(len, _LADDERS.values()))  # at most
 
 
 class Stage(NamedTuple):
@@ -33,6 +38,20 @@ class Stage(NamedTuple):
     kept: bool
 
 
+def ladder(study: ResolvedStudy, weight: str) -> tuple[float, ...]:
+    """Return what is tried of a weight on a study's machine, from the least up.
+
+    Parameters
+    ----------
+    study
+        The study.
+    weight
+        Its key in ``[controller]``.
+    """
+    times = times_the_papers(study, weight)
+    return tuple(times * rung for rung in _LADDERS[weight])
+
+
 class _Walk:
     """The procedure under way."""
 
@@ -41,7 +60,7 @@ class _Walk:
         self._farthest = _CONVERTER_SHARE * bench.study.study.supplies.converter_travel
         self._progress = progress
         self._tried = 0
-        self._converter = iter(_CONVERTER)  # only ever raised
+        self._converter = iter(ladder(bench.study, "weight_converter"))  # only ever raised
         self.weights = start._replace(weight_loss=0.0, weight_switching=0.0)
         if bench.study.study.converters:
             self.weights = self.weights._replace(weight_converter=next(self._converter))
@@ -96,8 +115,9 @@ def by_the_papers_order(
     walk = _Walk(bench, start, progress)
     first = "weight_converter" if bench.study.study.converters else "weight_loss"  # from 0 on
     walk.keep_pistons_off(first, walk.weights)
-    for name, ladder in (("weight_loss", _LOSS), ("weight_switching", _SWITCHING)):
-        for value in ladder:
-            if not walk.keep_pistons_off(name, walk.weights._replace(**{name: value})):
+    for name in ("weight_loss", "weight_switching"):
+        for value in ladder(bench.study, name):
+            more: dict[str, Any] = {name: value}
+            if not walk.keep_pistons_off(name, walk.weights._replace(**more)):
                 break
     return walk.weights, tuple(walk.steps)

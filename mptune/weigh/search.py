@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any
 from mptune.errors import Fault, InputError, OutputError
 from mptune.params.gains import version
 from mptune.progress import silent
+from mptune.weigh.scales import times_the_papers
 from mptune.weigh.trial import LIMITS, OBJECTIVES, Trial, Weights
 
 if TYPE_CHECKING:
@@ -22,6 +23,7 @@ if TYPE_CHECKING:
     import optuna
     from optuna.trial import FrozenTrial
 
+    from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
     from mptune.weigh.trial import Bench, Limits
 
@@ -29,7 +31,8 @@ SAMPLERS = ("tpe", "nsga2")
 ALSO = ("sampling_period", "tolerances", "common_mode")
 _RANGE = 1 / 20, 5.0  # about the study's own weights, logarithmic
 _PUBLISHED = {"weight_switching": 100.0, "weight_loss": 80.0, "weight_converter": 2e11}  # Table 2
-# What else the decision may weigh, and about which value where the study gives none; assumed.
+# What else the decision may weigh; assumed. About these, on another machine so many times as large
+# as ``mptune.weigh.scales`` says, is searched where the study gives none.
 _TERMS = {"error_width": 2000.0, "weight_common_mode": 3e-4, "weight_compression": 60.0}
 _CANDIDATES = 2, 12
 _PERIODS = 8  # how many sampling periods above the valve delay are tried, 1 ms apart
@@ -212,7 +215,7 @@ class WeightSearch:
         """Return the weights that a trial proposes."""
         own = self._bench.study.study
         values: dict[str, Any] = {
-            name: asked.suggest_float(name, *_range(own.controller, name), log=True)
+            name: asked.suggest_float(name, *_range(self._bench.study, name), log=True)
             for name in (*self._weights(), *self._terms())
         }
         if own.controller.horizon == 2:
@@ -265,7 +268,7 @@ class WeightSearch:
         own = self._bench.study.study
         named: dict[str, Any] = {}
         for name in (*self._weights(), *self._terms()):
-            low, high = _range(own.controller, name)
+            low, high = _range(self._bench.study, name)
             named[name] = min(max(getattr(weights, name), low), high)
         if own.controller.horizon == 2:
             named["candidates"] = weights.candidates
@@ -277,8 +280,10 @@ class WeightSearch:
         return named
 
 
-def _range(controller: Any, name: str) -> tuple[float, float]:
-    centre = getattr(controller, name) or {**_PUBLISHED, **_TERMS}[name]
+def _range(study: ResolvedStudy, name: str) -> tuple[float, float]:
+    centre: float = getattr(study.study.controller, name)
+    if centre == 0:
+        centre = {**_PUBLISHED, **_TERMS}[name] * times_the_papers(study, name)
     return centre * _RANGE[0], centre * _RANGE[1]
 
 

@@ -116,6 +116,23 @@ def test_machines_of_other_sizes_are_the_same_to_the_last_bit(load_shape, name, 
     assert len(np.unique(states, axis=0)) > 5
 
 
+@pytest.mark.parametrize("decision", [(), ('controller.force_model="dynamic"', HUBER, PATH)])
+def test_four_chambers_two_periods_ahead_are_the_same_to_the_last_bit(
+    load_shape, decision, tmp_path
+):
+    plain = ('controller.weight_compression="0 N/J"',) if decision else ()
+    study = load_shape("four-chamber", MOVES, TWO, *decision, *plain)
+    target.write_sources(study, tmp_path / "c")
+    recording = record_case(study, first_case(study, 49000.0))
+    flags = (*STRICT, *EXACT)
+    program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *flags, extra=[REPLAY])
+    found, _ = replay(program, recording, tmp_path)
+    same_decisions(found, recording)
+    states = recording.decisions[:, rec.STATE_A : rec.STATE_A + 4]
+    assert (found[:, found.shape[1] - 2 :] == states[:, 2:]).all()
+    assert len(np.unique(states, axis=0)) > 5
+
+
 @pytest.mark.parametrize("name", DECISIONS)
 def test_every_option_of_the_decision_is_the_same_to_the_last_bit(
     load_boom, prepared, name, tmp_path

@@ -3,12 +3,15 @@
 import numpy as np
 import pytest
 from deciding import chosen, states
+from recording import Recorder, drive, first_case, rig_of
 
 from mptune.errors import MptuneError
 from mptune.force.controller import ForceController, Measured
 from mptune.force.search_space import search_space
 from mptune.force.select import decide
 from mptune.params.pack import pack_force
+from mptune.signals.differentiator import differentiated
+from mptune.signals.states import FORCE, POSITION_HEARD, VELOCITY_HEARD
 
 
 def measured(**changes):
@@ -64,10 +67,60 @@ def test_a_value_that_is_not_finite_is_refused_with_all_valves_shut(boom, place,
     assert controller.step(3e4, measured(), 0.16, 0.05).sum() > 0
 
 
-@pytest.mark.parametrize("count", [0, 3, 5])
-def test_a_wrong_number_of_converters_is_refused(boom, count):
-    with pytest.raises(MptuneError):
-        ForceController(boom).step(3e4, measured(converters=[0.0] * count), 0.16, 0.05)
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        ({"converters": []}, "0 converter positions; its machine has 2 and 4"),
+        ({"converters": [0.0] * 5}, "5 converter positions"),
+        ({"further_pressures": [5e6]}, "3 chamber pressures and 4 converter"),
+    ],
+)
+def test_a_wrong_number_of_values_is_refused_with_all_valves_shut(boom, change, words):
+    controller = ForceController(boom)
+    controller.step(3e4, measured(), 0.16, 0.05)
+    with pytest.raises(MptuneError, match=words):
+        controller.step(3e4, measured(**change), 0.16, 0.05)
+    assert controller.states == (0, 0)
+
+
+class Beside(Recorder):
+    """The simulator's own decisions, with a controller beside that sees what they rest on."""
+
+    def __init__(self, rig):
+        super().__init__(rig)
+        self.controller, self.different, self.met = ForceController(rig.study), 0, set()
+
+    def step(self, inputs):
+        decides = len(self.inputs) % self.rig.signals.ticks == 0
+        decided, memory = super().step(inputs), self.rig.memory
+        if decides:
+            heard = memory.outer[[POSITION_HEARD, VELOCITY_HEARD]]
+            if self.rig.signals.estimator.mass == 0:
+                tick = self.rig.signals.sample_time
+                heard = memory.history[0], differentiated(memory.history, tick)
+            count, seen = len(memory.converters), memory.filtered
+            now = Measured(
+                *heard, *seen[1:3], seen[4], seen[3], memory.converters, seen[5 + count :]
+            )
+            valves = self.controller.step(memory.outer[FORCE], now, *inputs[:2])
+            self.different += self.controller.states != tuple(memory.choice)
+            assert valves.size == self.rig.space.valves.shape[1] * len(memory.choice)
+            self.met.add(self.controller.states)
+        return decided
+
+
+@pytest.mark.parametrize("name", ["four-chamber", "mixed", "boom-2dof"])
+@pytest.mark.compiled
+def test_it_decides_as_the_simulator_does_whatever_the_machine(load_shape, name):
+    move = 'manoeuvre=[{distance="20 mm", duration="0.5 s", rest="0.2 s"}]'
+    study = load_shape(name, move)
+    rig = rig_of(study, first_case(study, 49000.0))
+    beside = Beside(rig)
+    drive(rig, beside)
+    shut = (0,) * len(study.study.all_chambers)
+    assert beside.different == 0
+    assert len(beside.met) > 5
+    assert shut in beside.met  # it stopped at the end
 
 
 def test_it_stops_by_eq_9_and_starts_by_eq_10(boom):

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from deciding import side_of
 
+from mptune.arrays import frozen
 from mptune.force.chambers import decide_of_chambers
 from mptune.force.cost import line_pressures
 from mptune.force.search_space import space_of
@@ -53,14 +54,20 @@ def decided(case, space, more):
     return tuple(int(one) for one in choice)
 
 
-def plain_costs(case, space, more):
-    """Costs of all combinations by the plain law of one chamber, as a mapping."""
-    sides, s = [], more.settings[0]
+def plain_sides(case, space, more):
+    """Pressures, signed forces and costs of every chamber's states by the plain law."""
+    sides = []
     for i, settings in enumerate(more.settings):
         side = int(more.table[AREA, i] < 0)
         now = int(case["present"][i])
         after, force, cost = side_of(side, case["p"][i], case["x"], now, case, space, settings)
         sides.append((after, -force if side else force, cost))
+    return sides
+
+
+def plain_costs(case, space, more):
+    """Costs of all combinations by the plain law of one chamber, as a mapping."""
+    sides, s = plain_sides(case, space, more), more.settings[0]
     middle, found = (case["supplies"][0] + case["supplies"][-1]) / 2, {}
     for states_ in product(range(len(space.first)), repeat=4):
         rows = [[column[state] for column in side]
@@ -70,6 +77,22 @@ def plain_costs(case, space, more):
         small = error < width
         total = error**2 / (2 * width) if small else error - width / 2
         found[states_] = total + s.weight_common_mode * abs(after / 4 - middle) + cost
+    return found
+
+
+def plain_costs_ahead(case, space, more):
+    """The same over two periods, of the cheapest combinations of the first."""
+    costs = plain_costs(case, space, more)
+    pressures = [side[0] for side in plain_sides(case, space, more)]
+    s, found = more.settings[0], {}
+    for chosen in sorted(costs, key=costs.get)[: int(s.candidates)]:
+        then = {
+            **case,
+            "p": [one[state] for one, state in zip(pressures, chosen, strict=True)],
+            "x": case["x"] + case["v"] * s.sampling_period,
+            "present": chosen,
+        }
+        found[chosen] = costs[chosen] + min(plain_costs(then, space, more).values())
     return found
 
 
@@ -101,6 +124,39 @@ def test_decisions_with_converters_are_the_cheapest_of_all_combinations(load_sha
     assert differs > 3
 
 
+@pytest.mark.parametrize("name", MODELS)
+@pytest.mark.parametrize("candidates", [2, 6])
+def test_two_periods_ahead_the_candidates_cheapest_with_what_follows_is_taken(
+    load_shape, name, candidates
+):
+    two = ("controller.horizon=2", f"controller.candidates={candidates}")
+    study = load_shape("four-chamber", *MODELS[name], *two)
+    space, more = space_of(study), pack_chambers(study)
+    one = more._replace(settings=tuple(s._replace(candidates=0.0) for s in more.settings))
+    differs = 0
+    for case in states(15, 4, space):
+        costs, chosen = plain_costs_ahead(case, space, more), decided(case, space, more)
+        assert costs[chosen] == pytest.approx(min(costs.values()), rel=1e-9, abs=1e-5)
+        differs += chosen != decided(case, space, one)
+    assert differs > 0
+
+
+def test_as_many_candidates_as_combinations_and_one_of_them_agree_at_the_ends(load_shape):
+    """One candidate is the first period's cheapest, whatever follows."""
+    study = load_shape("four-chamber", *MODELS["levers"], "controller.horizon=2")
+    space, more = space_of(study), pack_chambers(study)
+
+    def with_candidates(number):
+        settings = tuple(s._replace(candidates=float(number)) for s in more.settings)
+        return more._replace(settings=settings)
+
+    for case in states(40, 6, space):
+        single = decided(case, space, with_candidates(1))
+        assert single == decided(case, space, with_candidates(0))
+        every = [decided(case, space, with_candidates(n)) for n in (81, 100)]
+        assert every[0] == every[1]
+
+
 def test_a_mirrored_machine_decides_in_mirror_image(load_shape):
     """Equal areas in pairs; sides, velocity and force change places."""
     study = load_shape("four-chamber", *MODELS["paper"])
@@ -112,7 +168,7 @@ def test_a_mirrored_machine_decides_in_mirror_image(load_shape):
         one._replace(area_a=max(area, 0.0), area_b=max(-area, 0.0), flow_coefficient=valves)
         for one, area in zip(more.settings, table[AREA], strict=True)
     )
-    more, swapped = more._replace(table=table, settings=settings), [1, 0, 3, 2]
+    more, swapped = more._replace(table=frozen(table), settings=settings), [1, 0, 3, 2]
     for case in states(60, 9, space):
         mirror = {
             **case,

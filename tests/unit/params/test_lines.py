@@ -15,6 +15,7 @@ from mptune.params.valve_states import EdgeRule, StateKind, number_of_states, va
 TANK = '{kind = "tank", pressure = "1 MPa"}'
 SEVEN = '{kind = "constant", pressure = "7 MPa"}'
 TOP = '{kind = "constant", pressure = "14 MPa"}'
+MEDIUM = '{kind = "accumulator", pressure = "7 MPa"}'
 PUMP = '{kind = "pump", pressure = "9 MPa", margin = "2 MPa", standby = "2 MPa", lag = "60 ms"}'
 
 
@@ -33,7 +34,8 @@ def lines(*texts):
         ((TANK, TANK, TOP), "it alone, is a tank"),
         ((SEVEN, TOP), "it alone, is a tank"),
         ((TANK, TOP, SEVEN), "rising pressure"),
-        ((TANK, PUMP, TOP), "only the last"),
+        ((TANK, PUMP, TOP), "only the last may be: it keeps its margin"),
+        ((TANK, MEDIUM, TOP), "one volume of gas.*make it constant"),
         ((TANK, converter(1, 2), TOP), "a line below and one above"),
         ((TANK, converter(1, 4), converter(2, 4), TOP), "a converter"),
         ((TANK, SEVEN, converter(1, 2)), "last line"),
