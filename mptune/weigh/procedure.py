@@ -3,8 +3,7 @@
 The paper says by hand and eye what stands here as rules. What counts as too large an error is
 assumed: a tenth more of the performance index, or a quarter more of the force-error integral, than
 the least seen on the way. W_loss and W_sw draw the pistons out again; W_conv is then raised.
-A machine without converters has W_loss and W_sw alone. The ladders are those for the paper's
-machine; another's are so many times as high as ``mptune.weigh.scales`` says.
+A machine without converters has W_loss and W_sw alone.
 """
 
 from __future__ import annotations
@@ -12,22 +11,16 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, NamedTuple
 
 from mptune.progress import silent
-from mptune.weigh.scales import times_the_papers
+from mptune.weigh.ladders import LADDERS, ladder
 
 if TYPE_CHECKING:
-    from mptune.params.study import ResolvedStudy
     from mptune.progress import Progress
     from mptune.weigh.trial import Bench, Trial, Weights
 
 _CONVERTER_SHARE = 0.8  # of the travel: how far pistons may go
 _INDEX_GROWTH, _FORCE_ERROR_GROWTH = 1.1, 1.25
-_LADDERS = {  # in the order of §5.4
-    "weight_converter": tuple(2e9 * 10**k for k in (0, 0.5, 1, 1.5, 2, 2.5, 3, 3.5)),  # N s/m⁶
-    "weight_loss": tuple(10.0 * 2**k for k in range(7)),  # N/J
-    "weight_switching": tuple(12.5 * 2**k for k in range(7)),  # N
-}
 STAGE = "weights by the paper's order"
-STEPS = sum(map(len, _LADDERS.values()))  # at most
+STEPS = sum(map(len, LADDERS.values()))  # at most
 
 
 class Stage(NamedTuple):
@@ -36,20 +29,6 @@ class Stage(NamedTuple):
     weight: str
     trial: Trial
     kept: bool
-
-
-def ladder(study: ResolvedStudy, weight: str) -> tuple[float, ...]:
-    """Return what is tried of a weight on a study's machine, from the least up.
-
-    Parameters
-    ----------
-    study
-        The study.
-    weight
-        Its key in ``[controller]``.
-    """
-    times = times_the_papers(study, weight)
-    return tuple(times * rung for rung in _LADDERS[weight])
 
 
 class _Walk:

@@ -4,7 +4,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from mptune.weigh.procedure import ladder
+from mptune.weigh.ladders import ladder
 from mptune.weigh.scales import times_the_papers
 
 PAPER = {
