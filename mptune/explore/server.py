@@ -29,8 +29,9 @@ if TYPE_CHECKING:
 
 _GLANCE = 250  # ms, between looks at how many tabs are open
 # ms, that a session may wait for its tab to connect, or outlives it, and between looks. A session
-# that is made anew because a slow browser came too late would look for Panel's styles elsewhere.
-_LIFETIME, _CHECK = 60_000, 5_000
+# that is made anew because its tab came too late, behind kernels that were being compiled, would
+# look for Panel's styles elsewhere.
+_LIFETIME, _CHECK = 300_000, 5_000
 # s, that a page's token counts. It is given out before the page is made, and kernels that are kept
 # nowhere are compiled meanwhile: minutes on a busy machine, after which a tab would stay empty.
 _TOKEN = 24 * 3600
