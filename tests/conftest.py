@@ -8,7 +8,7 @@ from functools import partial
 from pathlib import Path
 
 # The workers of pytest-xdist share the cores: threads of their own would wait for one another.
-os.environ["NUMBA_NUM_THREADS"] = "1"
+os.environ["NUMBA_NUM_THREADS"] = os.environ["OPENBLAS_NUM_THREADS"] = "1"
 
 import numba
 import numpy as np

@@ -204,6 +204,8 @@ def main() -> None:
     out = take_streams()
     # Threads that wait for the next compiled loop sleep: the simulation beside has use for a core.
     os.environ.setdefault("OMP_WAIT_POLICY", "passive")
+    # Matrices have ten to a hundred rows: a second thread of the linear algebra would but wait.
+    os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
     sys.unraisablehook = _unraisable
     code = status(sys.argv[1:])
     sys.stdout.flush()
