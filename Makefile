@@ -72,14 +72,16 @@ fuzz: setup
 	NUMBA_NUM_THREADS=1 $(BIN)/pytest -m fuzz -s -n 0 tests/faults tests/unit/campaign
 
 # Lines that tests run, kernels' too: compiled they would not be seen, and interpreted they are slow.
-# So rooms with kernels run interpreted, but for what is marked `compiled`; those around, compiled.
+# So rooms with kernels run interpreted, but for what is marked `compiled`; then those around, and
+# those with much beside their kernels, compiled.
 KERNELS := certify force identify loops plant robust signals sim systems tune verify
-AROUND := campaign cli explore identify job params report results shape verify weigh
+AROUND := campaign certify cli explore identify job loops params report results shape sim verify weigh
 coverage: setup
 	$(BIN)/coverage erase
 	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -q -n 2 tests/paper $(KERNELS:%=tests/unit/%) \
 		-m "not compiled and not bench and not fuzz and not examples"
-	NUMBA_NUM_THREADS=1 $(BIN)/coverage run -m pytest -q -n 2 $(AROUND:%=tests/unit/%) tests/unit/*.py
+	NUMBA_NUM_THREADS=1 $(BIN)/coverage run -m pytest -q -n 2 tests/browser \
+		$(AROUND:%=tests/unit/%) tests/unit/*.py
 	$(BIN)/coverage combine --quiet
 	$(BIN)/coverage report
 
