@@ -75,7 +75,7 @@ fuzz: setup
 # So rooms with kernels run interpreted, but for what is marked `compiled`; then those around, and
 # those with much beside their kernels, compiled.
 KERNELS := certify force identify loops plant robust signals sim systems tune verify
-AROUND := campaign certify cli explore identify job loops params report results shape sim verify weigh
+AROUND := certify cli explore identify job loops params report results shape sim verify
 coverage: setup
 	$(BIN)/coverage erase
 	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -q -n 2 tests/paper $(KERNELS:%=tests/unit/%) \
