@@ -71,12 +71,18 @@ trials: setup
 fuzz: setup
 	NUMBA_NUM_THREADS=1 $(BIN)/pytest -m fuzz -s -n 0 tests/faults tests/unit/campaign
 
-# Kernels count too: they run interpreted once, so that their lines are seen.
+# Lines that tests run, kernels' too: compiled they would not be seen, and interpreted they are slow.
+# So rooms with kernels run interpreted, but for what is marked `compiled`; then those around, and
+# those with much beside their kernels, compiled.
+KERNELS := certify force identify loops plant robust signals sim systems tune verify
+AROUND := certify cli explore identify job loops params report results shape sim verify
 coverage: setup
 	$(BIN)/coverage erase
-	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -n 2 \
-		-m "not bench and not fuzz and not examples and not compiled"
-	$(BIN)/coverage combine
+	NUMBA_DISABLE_JIT=1 $(BIN)/coverage run -m pytest -q -n 2 tests/paper $(KERNELS:%=tests/unit/%) \
+		-m "not compiled and not bench and not fuzz and not examples"
+	NUMBA_NUM_THREADS=1 $(BIN)/coverage run -m pytest -q -n 2 tests/browser \
+		$(AROUND:%=tests/unit/%) tests/unit/*.py
+	$(BIN)/coverage combine --quiet
 	$(BIN)/coverage report
 
 # Wrong changes that the tests must catch, each in a copy of the tree: some minutes.

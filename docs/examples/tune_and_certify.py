@@ -24,7 +24,7 @@ print("\n".join(f"{key} = {value:.4g}" for key, value in tuned.gains.model_dump(
 # %%
 print("binding:", ", ".join(tuned.binding))
 for check in tuned.sweep.checks:
-    print(f"{check.label}: {check.status}, {check.grounds}")
+    print(f"{check.label}: {check.status}, {check.grounds or 'no family asked'}")
 
 # %%
 tuned.plot().savefig(PLOTS / "tuned.svg")

@@ -88,5 +88,5 @@ def test_a_local_cluster_costs_at_most_15_per_cent(timed, ratio):
         f"\n{FEWER} movement sets: joblib {here.rate():.1f} runs/s, Dask {there.rate():.1f}: "
         f"{100 * cost:+.1f} %"
     )
-    assert np.array_equal(one.figures, other.figures)
+    assert np.array_equal(one.figures, other.figures, equal_nan=True)
     ratio("campaign: joblib's rate over a local cluster's", 1 + cost, most=1.15)

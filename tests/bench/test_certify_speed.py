@@ -69,7 +69,7 @@ def test_every_certificate_of_a_sweep(problem):
         assert spent <= (1.0 if name[1] == "sampled" else 0.6)
     print(f"all that a sweep certifies: {total:.2f} s")
     assert total <= 4
-    for until in RADII:
+    for until in (one for one in RADII if one != "estimator"):  # the boom has none
         found, spent = timed(lambda until=until: radius(problem, until))
         total += spent
         label = f"{found.lower:.4f} to {found.upper:.4f}"

@@ -79,7 +79,7 @@ def test_a_global_search_needs_a_hundred_times_as_many_candidates(load_boom, rat
 
     def cost(point):
         calls.append(1)
-        values = search._evaluate(point)
+        values = search._worth.of(point)
         over = float(values.excesses.max(initial=0.0))
         return values.cost if over <= 1e-6 else PENALTY * (1 + min(over, PENALTY))
 

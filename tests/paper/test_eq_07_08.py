@@ -104,6 +104,7 @@ def test_each_side_s_costs_and_forces_are_those_of_the_equations(boom, side):
         np.testing.assert_allclose(cost, expected[1], rtol=1e-8, atol=1e-6)
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 def test_the_three_readings_of_q_conv_and_the_delay_prediction_decide_differently(load_boom):
     """Otherwise the tests above would not tell the options apart."""
     space = search_space()

@@ -9,6 +9,8 @@ from mptune.params.packed import Plants
 from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 WORST = [
     # sweep, loop, worst ratio, mass, delay, frequency
     ("fig_5", "velocity", 0.641, 24500, 0.0215, 55.2),

@@ -75,6 +75,7 @@ def test_the_velocity_loops_alone_stay_stable_with_the_path(loops):
     assert stable(loops["filters"], VELOCITY) == [True, True, True, True]
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 def test_the_sweep_tells_of_the_unstable_plants_that_eq_17_and_21_pass(fig_5_twice):
     assert fig_5_twice.velocity.satisfied
     assert fig_5_twice.position.satisfied
@@ -89,6 +90,7 @@ def test_the_sweep_tells_of_the_unstable_plants_that_eq_17_and_21_pass(fig_5_twi
     assert at is None
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 def test_the_sweep_over_section_5_1_keeps_a_gain_margin_of_1_2_with_the_path(section_5_1):
     worst, at = section_5_1.family("filters").worst("gain_margin", FORCE)
     assert f"{worst:.2g}" == "1.2"

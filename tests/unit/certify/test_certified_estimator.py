@@ -13,6 +13,8 @@ from mptune.certify.form import curve_of, form_of, scale_of
 from mptune.certify.problem import edges_of
 from mptune.certify.search import NO_REST, _collapse
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 FIGURES = ["sensitivity_peak", "complementary_peak", "disk_margin", "peak_compliance"]
 PATHS = ["estimator", "sampled"]
 

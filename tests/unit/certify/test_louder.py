@@ -21,6 +21,8 @@ from mptune.certify.rows import row_length
 from mptune.certify.sampled import ESTIMATED_TERMS, left_out, shifts_of
 from mptune.certify.stability import stable_plants
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 PATHS = ["estimator", "sampled"]
 
 

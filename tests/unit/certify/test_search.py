@@ -13,8 +13,6 @@ from mptune.certify.problem import edges_of
 from mptune.certify.proof import Proof, cover
 from mptune.certify.search import ABOVE, OPEN, PROVED, STUCK
 
-pytestmark = pytest.mark.compiled
-
 
 @pytest.fixture
 def proof(published):
@@ -43,6 +41,7 @@ def test_a_budget_is_kept_and_work_is_not_lost(proof):
     assert proof.boxes == total
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 def test_a_zero_of_the_denominator_is_where_a_proof_gets_stuck(published):
     problem = published["fig_5"]  # holds the boundary of stability, with the path
     form = form_of(problem, "force_reference", "filters", "sensitivity_peak")

@@ -91,6 +91,7 @@ def test_without_noise_the_parameters_come_back():
         assert found.error < 1e-7
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 def test_intervals_hold_the_truth_as_often_as_they_say():
     omega = np.geomspace(2, 300, 60)
     quality = np.full(60, 1 / (1 + 1e-5))

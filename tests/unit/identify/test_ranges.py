@@ -106,6 +106,7 @@ def merged(write_study, text):
     return path
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 def test_a_study_takes_the_section_and_a_sweep_runs_on_it(write_study, boom):
     text = uncertainty_section(FITS, boom.uncertainty, ["cold.csv"])
     study = load_study(merged(write_study, text), ["uncertainty.points=2"])
@@ -134,6 +135,7 @@ def test_tiny_and_zero_ends_stay_below_what_was_found(boom, low):
     assert float(least.removesuffix(" ms")) <= 1e3 * low
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 def test_from_a_measured_file_to_a_sweep_by_box_and_by_member(write_study, tmp_path, boom):
     """The whole way: response, file, fit, section, study with both, sweep."""
     omega = np.geomspace(0.5, 600, 200)

@@ -15,8 +15,6 @@ from mptune.plant.piston import burden_at
 from mptune.plant.supplies import oil_at_pressure
 from mptune.plant.valve import shut_valves
 
-pytestmark = pytest.mark.compiled
-
 LINES = line_table(
     (
         SupplyLine(kind="tank", pressure="1 MPa"),

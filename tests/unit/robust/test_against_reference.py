@@ -14,6 +14,8 @@ from mptune.robust.margins import family_margins
 from mptune.robust.model import LinearModel
 from mptune.robust.place import PlantPoint
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 REFERENCE = Path(__file__).parents[2] / "reference"
 LOOPS = {"velocity": VELOCITY, "force": FORCE}
 GRID = np.geomspace(0.1, 1000, 200)

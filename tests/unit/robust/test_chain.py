@@ -10,6 +10,8 @@ from mptune.loops.stability import count_unstable_poles
 from mptune.robust.chain import LARGEST, Link, chain, factor_text, gain_limit
 from mptune.robust.sweep import sweep
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 JUST = 1e-3  # distance from a border at which its two sides are told apart
 
 

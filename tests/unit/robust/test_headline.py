@@ -13,6 +13,8 @@ from mptune.robust.place import PlantPoint
 from mptune.robust.result import Check, Status
 from mptune.robust.sweep import sweep
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 PLANT = PlantPoint(24500.0, 0.0215, 0.0122, 0.0119, float("nan"))
 SHORT = 'uncertainty.delay=["11 ms", "14 ms"]'  # the loop then runs with a reserve
 

@@ -21,6 +21,8 @@ from mptune.robust.store import to_dataset
 from mptune.robust.sweep import sweep
 from mptune.robust.tables import place_text, undecided_text
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 GAINS = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)
 NOMINAL = NominalPlant(24500.0, 0.011)
 SHARE, DELAY, TAU_A, TAU_B = 0.571, 0.018, 0.012, 0.009

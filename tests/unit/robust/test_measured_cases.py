@@ -16,6 +16,8 @@ from mptune.robust.chain import chain
 from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 CASES = Path(__file__).parent / "cases"
 
 

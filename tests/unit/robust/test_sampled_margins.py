@@ -75,10 +75,17 @@ def test_margins_are_those_of_a_dense_grid(name):
     assert np.isnan(margins["delay_margin"])
 
 
+def test_a_louder_loop_has_so_much_less_gain_margin():
+    plant, louder = PLANTS["heavy"], GAINS._replace(k_p_vel=1.1 * GAINS.k_p_vel)
+    left = margins_of(plant)["gain_margin"] / margins_of(plant, louder)["gain_margin"]
+    assert left == pytest.approx(1.1, rel=1e-6)
+
+
 def radius(loops):
     return np.abs(multipliers(loops, PERIOD)).max()
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 @given(
     plant=st.builds(
         Plant,
@@ -128,6 +135,7 @@ def found_with(load_boom, name, **options):
 NEW = ["gain_margin", "sampled_sensitivity_peak", "noise_gain"]
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 @pytest.mark.parametrize("name", NEW)
 def test_a_limit_is_met_on_one_side_of_what_is_found_and_violated_on_the_other(load_boom, name):
     options = {"uncertainty": "section-5-1", "corners": True}
@@ -143,6 +151,7 @@ def test_a_limit_is_met_on_one_side_of_what_is_found_and_violated_on_the_other(l
         assert result.satisfied == met
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 @pytest.mark.parametrize("name", ["gain_margin", "sampled_sensitivity_peak"])
 def test_an_unstable_family_has_no_sampled_margin(load_boom, name):
     result = sweep(load_boom(f"requirements.{name}=1.1", corners=True, twice=True))
@@ -153,6 +162,7 @@ def test_an_unstable_family_has_no_sampled_margin(load_boom, name):
     assert not result.satisfied
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 @pytest.mark.parametrize(("shortest", "room"), [("4.99 ms", False), ("5 ms", True)])
 def test_without_room_for_the_hold_nothing_sampled_is_evaluated(load_boom, shortest, room):
     result = sweep(
@@ -171,6 +181,7 @@ def test_without_room_for_the_hold_nothing_sampled_is_evaluated(load_boom, short
     assert result.satisfied == room
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 def test_without_an_integral_term_the_sampled_family_is_as_stable_as_the_others(load_boom):
     result = sweep(
         load_boom("gains.k_i_pos=0 1/s^2", uncertainty="section-5-1", corners=True),

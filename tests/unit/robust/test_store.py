@@ -1,9 +1,12 @@
 """The stored sweep: labelled, with units, whole or not at all."""
 
 import numpy as np
+import pytest
 import xarray as xr
 
 from mptune.robust.store import write_sweep
+
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
 
 
 def test_stored_sweep_names_the_worst_plant_again(fig_5, tmp_path):

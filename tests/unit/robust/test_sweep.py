@@ -9,6 +9,8 @@ from mptune.robust.model import LinearModel
 from mptune.robust.result import Status
 from mptune.robust.sweep import sweep
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 
 @pytest.mark.parametrize("swept", ["fig_5", "section_5_1"])
 def test_a_grid_ten_times_denser_finds_no_higher_ratio(request, swept):

@@ -7,6 +7,8 @@ import math
 
 import pytest
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 AT = {"mass_kg", "delay_s", "tau_a_s", "tau_b_s", "frequency_rad_s"}
 CONDITION = {"worst_ratio", "margin", "satisfied", "nominal_stable", "at"}
 

@@ -82,6 +82,7 @@ def test_what_is_not_known_of_the_mass_grows_no_further_than_at_the_start():
         assert state[COVARIANCE] <= FIRST_COVARIANCE[0] / FORGETTING
 
 
+@pytest.mark.compiled  # interpreted, it would take minutes
 def test_steady_motion_without_acceleration_forgets_no_further_than_the_start():
     state = learnt(30e3)
     for _ in range(200_000):

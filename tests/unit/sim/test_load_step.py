@@ -8,8 +8,6 @@ from mptune.params.pack import pack_filters
 from mptune.params.packed import NO_PATH, LoopGains, Plants
 from mptune.sim.response import load_step, position_step
 
-pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
-
 SHARE = 4 / 7
 GAINS = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)
 PLANT = (24500.0, 0.0125, 0.0122, 0.0089)
@@ -72,6 +70,7 @@ def test_small_explicit_steps_come_to_the_same(boom, path):
     assert error < 2e-4
 
 
+@pytest.mark.compiled  # long without it
 def test_integral_action_brings_it_to_zero_and_its_absence_to_the_stiffness():
     time = np.linspace(0, 8, 801)
     whole = load_step(family(PLANT, HEAVY), time)

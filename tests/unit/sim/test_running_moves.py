@@ -13,8 +13,6 @@ from mptune.sim.moves import distinct_moves
 from mptune.sim.running import BAND, step_figures, tracking_peaks
 from mptune.sim.sampled import run_linear
 
-pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
-
 
 @pytest.fixture(scope="module")
 def model(load_boom):
@@ -39,6 +37,7 @@ def test_the_largest_of_the_peaks_is_the_index(model, mass):
         assert peaks[n].max() == pytest.approx(index, rel=1e-12)
 
 
+@pytest.mark.compiled  # long without it
 def test_a_loop_that_runs_away_has_no_finite_index_but_a_search_is_told_the_way_back(model):
     gains = model.gains._replace(k_p_vel=5 * model.gains.k_p_vel)
     ahead = pack_feedforward(model.study.study.feedforward, 0.0005)
@@ -53,6 +52,7 @@ def test_a_loop_that_runs_away_has_no_finite_index_but_a_search_is_told_the_way_
     assert np.isfinite(tracking_peaks(calm, model.period, move, ahead, 16)).all()
 
 
+@pytest.mark.compiled  # long without it
 def test_overshoot_and_settling_are_those_of_the_step(model):
     loops = model.as_it_runs(model.gains)
     found = step_figures(loops, model.period, 0.8)
@@ -69,6 +69,7 @@ def test_overshoot_and_settling_are_those_of_the_step(model):
         assert found.late_deviation[n] == pytest.approx(late, rel=1e-6)
 
 
+@pytest.mark.compiled  # long without it
 def test_what_never_settles_has_no_settling_time(model):
     gains = model.gains._replace(k_p_vel=3 * model.gains.k_p_vel)
     found = step_figures(model.as_it_runs(gains), model.period)

@@ -15,8 +15,6 @@ from mptune.params.packed import (
 from mptune.sim.response import load_step, position_step, velocity_step
 from mptune.sim.running_steps import StepOf, running_steps
 
-pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
-
 FAST, MASS = 0.5e-3, 24500.0
 GAINS = LoopGains(700e3, 13.0, 22.0, 42.0, 0.55, 0.006)
 FILTERS = MeasurementPath(FAST, np.exp(-FAST / 0.012), 0.012)

@@ -12,8 +12,6 @@ from mptune.params.packed import FeedforwardTuple, Plant
 from mptune.signals.trajectory import quintic
 from mptune.sim.sampled import linear_moves, run_linear
 
-pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
-
 MOVE = quintic(0.07, 1.25)
 
 
@@ -58,6 +56,7 @@ def test_plant_between_samples_equals_an_ode_solver(boom, run, delay):
     assert error < 1e-8
 
 
+@pytest.mark.compiled  # long without it
 def test_index_of_the_published_gains_is_inside_the_measured_ranges(boom):
     """§7.2 measured 13.1-30.4 ms at 24.5 t and 18.1-33.7 ms at 49 t."""
     ranges = {24500.0: (13.1, 30.4), 49000.0: (18.1, 33.7)}
@@ -71,6 +70,7 @@ def test_index_of_the_published_gains_is_inside_the_measured_ranges(boom):
         assert low <= case.performance_index_ms <= high
 
 
+@pytest.mark.compiled  # long without it
 def test_matching_the_references_lag_improves_tracking(boom):
     """The index is mostly the lag of the measured position: giving the reference it cures that."""
     lagged = Feedforward.model_validate({"reference_lag": "12 ms"})
@@ -81,6 +81,7 @@ def test_matching_the_references_lag_improves_tracking(boom):
         assert matched.performance_index_ms < 0.7 * plain.performance_index_ms
 
 
+@pytest.mark.compiled  # long without it
 def test_too_high_a_velocity_gain_is_reported_as_unstable(boom):
     gains = boom.study.gains.model_copy(update={"k_p_vel": 2.5e6})
     cases = linear_moves(boom, gains)

@@ -17,6 +17,8 @@ from mptune.robust.model import LinearModel
 from mptune.tune.margin_front import margin_front
 from mptune.tune.space import Choice
 
+pytestmark = pytest.mark.compiled  # interpreted, it would take minutes
+
 SHORT = (
     "verification.repeats=1",
     "verification.seeds=[1]",
