@@ -31,6 +31,9 @@ STUDY = ROOT / "studies" / "boom" / "study.toml"
 
 TWICE = 'uncertainty.delay_as_it_runs=["11 ms", "21.5 ms"]'
 
+# Tests that start commands of their own come last: these find kernels that others compiled.
+LATE = {"browser", "docs", "faults"}
+
 SHAPES = {
     # A converter between tank and accumulator, a constant line, and unequal valves on one line.
     "mixed": {
@@ -64,6 +67,10 @@ SHAPES["four-hoses"] = SHAPES["four-converters"] | {"hose.dynamics": "true"}
 
 # Interpreted kernels are slow; the corners of the box hold the worst plants of the paper's sets.
 POINTS = 2 if numba.config.DISABLE_JIT else 7
+
+
+def pytest_collection_modifyitems(items):
+    items.sort(key=lambda item: item.path.relative_to(ROOT / "tests").parts[0] in LATE)
 
 
 @pytest.fixture(scope="session")

@@ -62,14 +62,19 @@ def test_the_convex_core_takes_less_than_0_3_seconds_per_tau(boom):
     assert statistics.median(times) < 0.3
 
 
-def test_a_global_search_needs_a_hundred_times_as_many_candidates(load_boom, ratio):
-    study = load_boom("requirements.position_ratio=0.476", "uncertainty.points=3")
+def beside_a_global_search(study, generations, enough):
+    """Tune, and search anew by differential evolution until it is as good to ``enough``.
+
+    Printed and returned are the tuner's index over the other's, and how many times its candidates
+    and its time the other took.
+    """
     found = tune(study)
     ours_seconds = np.inf
     for _ in range(3):  # the least of three, as others use the machine too
         start = time.perf_counter()
         Tuner(study).searched()  # without the verdict, which the other search does not give either
         ours_seconds = min(ours_seconds, time.perf_counter() - start)
+    ours = found.figures.tracking / found.figures_before.tracking
     model = LinearModel.of(study)
     own = Choice.of(model)
     judge = Judge(model, own)
@@ -86,23 +91,35 @@ def test_a_global_search_needs_a_hundred_times_as_many_candidates(load_boom, rat
     limits = list(zip(search.space.low, search.space.high, strict=True))
     start = time.perf_counter()
     other = differential_evolution(
-        cost, limits, maxiter=120, popsize=15, seed=1, polish=False, tol=1e-9
-    )
+        cost, limits, maxiter=generations, popsize=15, seed=1, polish=False, tol=1e-9,
+        callback=lambda intermediate_result: intermediate_result.fun <= ours * (1 + enough),
+    )  # fmt: skip
     seconds = time.perf_counter() - start
-    ours = found.figures.tracking / found.figures_before.tracking
+    times = len(calls) / found.evaluations, seconds / ours_seconds
     print(
         f"\ntuner {ours:.5f} in {found.evaluations} candidates, {ours_seconds:.2f} s; differential "
         f"evolution {other.fun:.5f} in {len(calls)}, {seconds:.1f} s: "
-        f"1/{len(calls) / found.evaluations:.0f} of the candidates, "
-        f"1/{seconds / ours_seconds:.0f} of the time"
+        f"{times[0]:.1f} times the candidates, {times[1]:.1f} times the time"
     )
-    ratio("tuning: index over a global search's", ours / other.fun, most=1.01)
-    ratio(
-        "tuning: a global search's candidates over the tuner's",
-        len(calls) / found.evaluations,
-        least=1,
-    )
-    assert found.evaluations * 100 <= len(calls) or ours_seconds * 20 <= seconds
+    return ours / other.fun, *times
+
+
+WITHIN_THE_PUBLISHED_RATIO = ("requirements.position_ratio=0.476", "uncertainty.points=3")
+
+
+def test_a_global_search_of_many_more_candidates_ends_no_better(load_boom, ratio):
+    study = load_boom(*WITHIN_THE_PUBLISHED_RATIO)
+    index, candidates, _ = beside_a_global_search(study, 120, -1.0)
+    ratio("tuning: index over a global search's", index, most=1.001)
+    ratio("tuning: a global search's candidates over the tuner's", candidates, least=5)
+
+
+@pytest.mark.trial
+def test_how_many_times_the_candidates_a_global_search_needs(load_boom):
+    """Until it is as good to a thousandth: a hundred times as many, or twenty times the time."""
+    study = load_boom(*WITHIN_THE_PUBLISHED_RATIO)
+    _, candidates, seconds = beside_a_global_search(study, 2000, 1e-3)
+    assert candidates >= 100 or seconds >= 20
 
 
 @pytest.mark.trial
