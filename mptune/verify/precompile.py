@@ -1,8 +1,9 @@
-"""The simulator's kernels, compiled in a process of its own while this one sweeps and tunes.
+"""Kernels compiled in a process of its own while this one sweeps and tunes.
 
-Compiling the closed loop takes as long as all other work of a first run together, and one process
-compiles one kernel at a time. A second process fills the same cache on the second core. Later runs
-find the cache filled and start no process.
+Compiling takes longer than all other work of a first run together, and one process compiles one
+kernel at a time. A second process fills the same cache on the second core: with those that prove,
+which a sweep comes to after its grids' own, then with the simulator's. Later runs find the cache
+filled and start no process.
 """
 
 from __future__ import annotations
@@ -14,6 +15,9 @@ from importlib import resources
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from mptune.certify.bounds import bound
+from mptune.certify.problem import BoxedLoop
+from mptune.certify.search import search
 from mptune.force.select import decide
 from mptune.kernel_cache import is_compiled
 from mptune.params.chambers import NUMBERS, Side
@@ -34,14 +38,14 @@ _CHAMBERS = (f"chambers=[{_PAIR}, {_PAIR}]", 'edges.states=["all"]')
 
 @contextmanager
 def precompiling(study: ResolvedStudy) -> Iterator[Callable[[], None]]:
-    """Compile a study's simulator beside the block; yield a function that waits until it is done.
+    """Compile proofs and a study's simulator beside the block; yield what waits until it is done.
 
     Whatever becomes of the other process, nothing is lost but time: what it has not compiled is
     compiled here when it is needed.
     """
     more = len(study.study.all_chambers) > NUMBERS[0]
     loop = (decide_for_more,) if more else (run_ticks, decide)
-    if all(is_compiled(one) for one in loop):
+    if all(is_compiled(one) for one in (*loop, search)):
         yield lambda: None
         return
     command = [sys.executable, "-m", "mptune.verify.precompile", *([_MORE] if more else [])]
@@ -59,16 +63,26 @@ def precompiling(study: ResolvedStudy) -> Iterator[Callable[[], None]]:
         process.wait()
 
 
+def compile_proofs() -> None:
+    """Bound one figure over the template study's box: all figures share their kernels."""
+    bound(BoxedLoop.of(_template()), "force_reference", "none", "sensitivity_peak")
+
+
 def compile_simulator(*, more: bool) -> None:
     """Run the template study's machine, or one of four chambers, through one movement set."""
-    from mptune.params.load import load_study
     from mptune.verify.verify import cases_of, run_case
 
-    changes = [*_SMALL, *(_CHAMBERS if more else ())]
-    with resources.as_file(resources.files("mptune.params").joinpath("template.toml")) as path:
-        study = load_study(Path(path), changes)
+    study = _template(*_SMALL, *(_CHAMBERS if more else ()))
     run_case(study, cases_of(study)[0], study.study.gains, study.study.feedforward)
 
 
+def _template(*changes: str) -> ResolvedStudy:
+    from mptune.params.load import load_study
+
+    with resources.as_file(resources.files("mptune.params").joinpath("template.toml")) as path:
+        return load_study(Path(path), changes)
+
+
 if __name__ == "__main__":
+    compile_proofs()
     compile_simulator(more=_MORE in sys.argv[1:])

@@ -5,6 +5,7 @@ import time
 
 import pytest
 
+from mptune.certify.search import search
 from mptune.force.select import decide
 from mptune.kernel_cache import is_compiled
 from mptune.sim.closed_loop import decide_for_more, run_ticks
@@ -80,3 +81,9 @@ def test_what_is_compiled_is_what_is_looked_for(more):
     assert all(is_compiled(one) for one in ([decide_for_more] if more else [run_ticks, decide]))
     taken = {str(signature) for signature in run_ticks.signatures}
     assert any(("MoreChambers" in one) == more for one in taken)
+
+
+def test_the_proofs_kernels_are_compiled_too():
+    precompile.compile_proofs()
+    assert is_compiled(search)
+    assert search.signatures
