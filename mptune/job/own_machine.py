@@ -11,7 +11,7 @@ from concurrent.futures import ThreadPoolExecutor, wait
 from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
-from mptune.verify.precompile import precompiling
+from mptune.job.precompile import precompiling
 from mptune.verify.verify import verify
 
 if TYPE_CHECKING:

@@ -12,12 +12,13 @@ from importlib import resources
 from typing import TYPE_CHECKING
 
 from mptune.identify.identify import identify
+from mptune.job.precompile import precompiling
 from mptune.job.run import run
 from mptune.kernel_cache import folder_of
+from mptune.params.chambers import NUMBERS
 from mptune.params.load import load_study
 from mptune.progress import Progress, silent
 from mptune.sim.closed_loop import run_ticks
-from mptune.verify.precompile import precompiling
 
 if TYPE_CHECKING:
     from pathlib import Path
@@ -56,7 +57,9 @@ def warm(progress: Progress = silent, study: ResolvedStudy | None = None) -> Pat
     with ExitStack() as stack:
         path = stack.enter_context(resources.as_file(template))
         place = stack.enter_context(tempfile.TemporaryDirectory())
-        ready = None if study is None else stack.enter_context(precompiling(study))
+        ready = None
+        if study is not None and len(study.study.all_chambers) > NUMBERS[0]:
+            ready = stack.enter_context(precompiling(study, proofs=False))  # the run's own are
         small = load_study(path, _SMALL)
         run(small, place, progress)
         identify(small, progress=progress)

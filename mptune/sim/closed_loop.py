@@ -208,7 +208,7 @@ def decide_for_more(
     """Replace the choice of a machine of more than two chambers.
 
     It is a kernel of its own so that the cache tells for which machines the loop is compiled, see
-    ``mptune.verify.precompile``; for two chambers another call would cost a hundredth of the speed.
+    ``mptune.job.precompile``; for two chambers another call would cost a hundredth of the speed.
     """
     pressures = np.empty(len(memory.choice))
     for i in range(len(memory.filtered)):

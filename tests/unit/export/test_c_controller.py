@@ -57,6 +57,18 @@ def same_decisions(found, recording):
     assert (found[:, [target.STATE_A, target.STATE_B]] == states).all()
 
 
+def replayed(study, folder, *flags, like=None):
+    """Replay a simulated case through a study's controller in C; both decide the same."""
+    target.write_sources(study, folder / "c", like=like)
+    recording = record_case(study, first_case(study, 49000.0))
+    program = compile_c(
+        any_compiler(), folder / "c", folder / "replay", *flags, *EXACT, extra=[REPLAY]
+    )
+    found, _ = replay(program, recording, folder)
+    same_decisions(found, recording)
+    return found, recording
+
+
 def test_the_recording_is_the_simulator_itself(study, recording):
     case = first_case(study, 24500.0)._replace(seed=study.study.verification.seeds[0])
     once = study.study.model_copy(
@@ -84,19 +96,11 @@ def test_every_valve_command_is_mptune_s_own_to_the_last_bit(sources, recording,
 def test_what_the_paper_leaves_off_is_the_same_too(request, prepared, which, tmp_path):
     """Feed-forward, lagged references, delay prediction and the mean flow; no integral."""
     study = request.getfixturevalue(which)
-    target.write_sources(study, tmp_path / "c", like=prepared)
-    recording = record_case(study, first_case(study, 49000.0))
-    program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
-    found, _ = replay(program, recording, tmp_path)
-    same_decisions(found, recording)
+    replayed(study, tmp_path, like=prepared)
 
 
 def test_estimator_and_feed_forward_are_the_same_too(estimated_study, prepared, tmp_path):
-    target.write_sources(estimated_study, tmp_path / "c", like=prepared)
-    recording = record_case(estimated_study, first_case(estimated_study, 49000.0))
-    program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
-    found, _ = replay(program, recording, tmp_path)
-    same_decisions(found, recording)
+    replayed(estimated_study, tmp_path, like=prepared)
 
 
 @pytest.mark.parametrize(
@@ -104,12 +108,7 @@ def test_estimator_and_feed_forward_are_the_same_too(estimated_study, prepared, 
 )
 def test_machines_of_other_sizes_are_the_same_to_the_last_bit(load_shape, name, tmp_path):
     study = load_shape(name, MOVES)
-    target.write_sources(study, tmp_path / "c")
-    recording = record_case(study, first_case(study, 49000.0))
-    flags = (*STRICT, *EXACT)
-    program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *flags, extra=[REPLAY])
-    found, _ = replay(program, recording, tmp_path)
-    same_decisions(found, recording)
+    found, recording = replayed(study, tmp_path, *STRICT)
     states = recording.decisions[:, rec.STATE_A : rec.STATE_A + len(study.study.all_chambers)]
     further = states.shape[1] - 2
     assert (found[:, found.shape[1] - further :] == states[:, 2:]).all()
@@ -122,12 +121,7 @@ def test_four_chambers_two_periods_ahead_are_the_same_to_the_last_bit(
 ):
     plain = ('controller.weight_compression="0 N/J"',) if decision else ()
     study = load_shape("four-chamber", MOVES, TWO, *decision, *plain)
-    target.write_sources(study, tmp_path / "c")
-    recording = record_case(study, first_case(study, 49000.0))
-    flags = (*STRICT, *EXACT)
-    program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *flags, extra=[REPLAY])
-    found, _ = replay(program, recording, tmp_path)
-    same_decisions(found, recording)
+    found, recording = replayed(study, tmp_path, *STRICT)
     states = recording.decisions[:, rec.STATE_A : rec.STATE_A + 4]
     assert (found[:, found.shape[1] - 2 :] == states[:, 2:]).all()
     assert len(np.unique(states, axis=0)) > 5
@@ -138,11 +132,7 @@ def test_every_option_of_the_decision_is_the_same_to_the_last_bit(
     load_boom, prepared, name, tmp_path
 ):
     study = load_boom(MOVES, *DECISIONS[name], corners=True)
-    target.write_sources(study, tmp_path / "c", like=prepared)
-    recording = record_case(study, first_case(study, 49000.0))
-    program = compile_c(any_compiler(), tmp_path / "c", tmp_path / "replay", *EXACT, extra=[REPLAY])
-    found, _ = replay(program, recording, tmp_path)
-    same_decisions(found, recording)
+    _, recording = replayed(study, tmp_path, like=prepared)
     assert len(np.unique(recording.decisions[:, rec.STATE_A])) > 5
 
 

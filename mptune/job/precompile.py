@@ -30,25 +30,26 @@ if TYPE_CHECKING:
 
 _MOST = 300.0  # s: then the kernels are compiled here after all
 _SMALL = ("verification.repeats=1", "verification.seeds=[1]")
-_MORE = "--more-chambers"
+_PROOFS, _MORE = "--proofs", "--more-chambers"
 # Four chambers in the place of the template's two: no size is compiled in.
 _PAIR = ", ".join(f'{{side="{one}", area="40 cm^2", dead_volume="0.4 dm^3"}}' for one in Side)
 _CHAMBERS = (f"chambers=[{_PAIR}, {_PAIR}]", 'edges.states=["all"]')
 
 
 @contextmanager
-def precompiling(study: ResolvedStudy) -> Iterator[Callable[[], None]]:
-    """Compile proofs and a study's simulator beside the block; yield what waits until it is done.
+def precompiling(study: ResolvedStudy, *, proofs: bool = True) -> Iterator[Callable[[], None]]:
+    """Compile a study's simulator, and ``proofs``, beside the block; yield what waits for its end.
 
     Whatever becomes of the other process, nothing is lost but time: what it has not compiled is
     compiled here when it is needed.
     """
     more = len(study.study.all_chambers) > NUMBERS[0]
     loop = (decide_for_more,) if more else (run_ticks, decide)
-    if all(is_compiled(one) for one in (*loop, search)):
+    if all(is_compiled(one) for one in (*loop, *((search,) if proofs else ()))):
         yield lambda: None
         return
-    command = [sys.executable, "-m", "mptune.verify.precompile", *([_MORE] if more else [])]
+    command = [sys.executable, "-m", "mptune.job.precompile"]
+    command += [option for option, wanted in ((_PROOFS, proofs), (_MORE, more)) if wanted]
     silent = subprocess.DEVNULL
     process = subprocess.Popen(command, stdin=silent, stdout=silent, stderr=silent)  # noqa: S603 - our own module
 
@@ -84,5 +85,6 @@ def _template(*changes: str) -> ResolvedStudy:
 
 
 if __name__ == "__main__":
-    compile_proofs()
+    if _PROOFS in sys.argv[1:]:
+        compile_proofs()
     compile_simulator(more=_MORE in sys.argv[1:])
